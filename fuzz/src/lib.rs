@@ -5,7 +5,7 @@ use std::fs;
 use std::ops::ControlFlow;
 
 use petsc_wrap::{Comm, Session};
-use ricochet::cli::keeping::Known;
+use ricochet::cli::checkpoint_writer::Known;
 use ricochet::cli::summary::Summary;
 use ricochet::impact::checkpoint::{Checkpoint, Visitor};
 use ricochet::impact::step::Step;

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::Columns;
-use super::{Exchange, Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
+use super::{DiagonalSymmetry, Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 
 /// A growing basis, with the projection of the body onto it.
@@ -18,7 +18,7 @@ pub struct DirectSum {
     /// Class that adds the next vector.
     turn: usize,
     /// Map from the only class to the whole body, if that class is the part symmetric about the diagonal.
-    exchange: Option<Exchange>,
+    exchange: Option<DiagonalSymmetry>,
     /// Basis vectors in the unknowns of the whole body, if these differ from the unknowns of the classes. Filled on
     /// request.
     whole: Columns,
@@ -35,7 +35,7 @@ impl DirectSum {
         let class_of = parts.iter().enumerate().flat_map(|(class, part)| vec![class; part.vectors()]).collect();
         let exchange = body.exchange().cloned();
         let of_parts = || parts.iter().map(|part| part.basis().rows()).sum();
-        let rows = exchange.as_ref().map_or_else(of_parts, Exchange::unknowns);
+        let rows = exchange.as_ref().map_or_else(of_parts, DiagonalSymmetry::unknowns);
         Ok(Self { parts, class_of, turn: 0, exchange, whole: Columns::new(rows, None) })
     }
 

@@ -92,7 +92,7 @@ impl LinearBody for Body {
             translation: entries(&self.translation)?,
             is_free: self.is_free()?,
             hit_stress: self.hit_stress.iter().map(entries).collect::<Result<_>>()?,
-            hit_local: self.hit_local,
+            local_stress_per_newton: self.local_stress_per_newton,
             copies: self.copies,
         })
     }

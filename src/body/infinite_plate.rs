@@ -50,7 +50,7 @@ pub struct InfinitePlate {
     pub density: Vec<(f64, f64)>,
     /// Waves not contained in ν, which are faster than any contact: pairs of the frequency ω (rad/s) and the compliance
     /// as a spring, m/N.
-    pub yielding: Vec<(f64, f64)>,
+    pub fast_wave_compliances: Vec<(f64, f64)>,
     /// Number of modes of the modelled part for each rad/s, s.
     pub modes: f64,
     /// Impedance Z of the whole plate by thin-plate theory, N s/m.
@@ -98,7 +98,7 @@ impl InfinitePlate {
     /// Returns the static compliance of the waves that are faster than the contact, m/N, to be added to modes weighted
     /// up to ω_c (rad/s).
     pub fn static_compliance(&self, cutoff: f64) -> f64 {
-        self.yielding.iter().map(|(frequency, part)| (1.0 - weight(*frequency, cutoff)) * part).sum()
+        self.fast_wave_compliances.iter().map(|(frequency, part)| (1.0 - weight(*frequency, cutoff)) * part).sum()
     }
 
     /// Whether ν is equal at all frequencies, as for a thin plate.
@@ -155,7 +155,7 @@ mod tests {
     fn of(density: Vec<(f64, f64)>) -> InfinitePlate {
         InfinitePlate {
             density,
-            yielding: Vec::new(),
+            fast_wave_compliances: Vec::new(),
             modes: 1e-3,
             impedance: 2000.0,
             slowness: 0.1,
@@ -219,7 +219,7 @@ mod tests {
             force: DVector::from_fn(count, |i, _| modes[i].1),
             translation: none.clone(),
             hit_stress: DMatrix::zeros(0, count),
-            hit_local: [0.0; 3],
+            local_stress_per_newton: [0.0; 3],
             load: none.clone(),
             support_load: none,
             support_offset: 0.0,
@@ -275,7 +275,7 @@ mod tests {
         let few = &all[..400];
         let plate = InfinitePlate {
             density: vec![(0.0, slowness / (4.0 * PI * mass))],
-            yielding: Vec::new(),
+            fast_wave_compliances: Vec::new(),
             // A quarter of the modes moves the centre. The weight of the 400th mode is negligible.
             modes: edges[0] * edges[1] * slowness / (16.0 * PI) * 1.6 / VECTORS_PER_MODE,
             impedance: 8.0 * mass / slowness,

@@ -8,7 +8,7 @@ use crate::material::Maxwell;
 use super::columns::Columns;
 use super::direct::Precision;
 use super::shift::Solver;
-use super::{Exchange, FoundationPoints, InfinitePlate};
+use super::{DiagonalSymmetry, FoundationPoints, InfinitePlate};
 
 /// Selects one of the symmetric operators of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,8 +53,8 @@ pub struct Properties {
     pub is_free: bool,
     /// Same as [`System::hit_stress`](super::System::hit_stress).
     pub hit_stress: Vec<Vec<f64>>,
-    /// Same as [`System::hit_local`](super::System::hit_local).
-    pub hit_local: [f64; 3],
+    /// Same as [`System::local_stress_per_newton`](super::System::local_stress_per_newton).
+    pub local_stress_per_newton: [f64; 3],
     /// Number of such bodies that form the whole.
     pub copies: f64,
 }
@@ -110,7 +110,7 @@ pub trait LinearBody {
 
     /// Returns the map from the part that is symmetric about the diagonal to the whole body, if the body has this
     /// symmetry.
-    fn exchange(&self) -> Option<&Exchange> {
+    fn exchange(&self) -> Option<&DiagonalSymmetry> {
         None
     }
 }

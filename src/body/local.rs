@@ -11,25 +11,25 @@ use crate::material::Maxwell;
 use super::columns::Columns;
 use super::direct::{Direct, Precision};
 use super::linear::{LinearBody, Operator, Properties};
-use super::runs::Runs;
+use super::run_length_matrix::RunLengthMatrix;
 use super::shift::Solver;
-use super::{Exchange, FoundationPoints, InfinitePlate, System};
+use super::{DiagonalSymmetry, FoundationPoints, InfinitePlate, System};
 
 /// Linear body made from a [`System`]. With several ranks, each has a copy.
 pub struct LocalBody {
     system: System,
     /// Matrices in run format, for operators without products along grid axes. Filled at first use.
-    products: RefCell<Vec<(Operator, Rc<Runs>)>>,
+    products: RefCell<Vec<(Operator, Rc<RunLengthMatrix>)>>,
     /// Symmetry classes that the force excites. Empty if there is only one class, the whole body.
     classes: Vec<Self>,
     /// Map from the only class to the whole body, if that class is the part symmetric about the diagonal.
-    exchange: Option<Exchange>,
+    exchange: Option<DiagonalSymmetry>,
 }
 
 impl LocalBody {
     /// Creates the body of a system. Pads are nonlinear and are left out.
     pub fn new(system: System) -> Self {
-        if let Some((exchange, symmetric)) = Exchange::of(&system) {
+        if let Some((exchange, symmetric)) = DiagonalSymmetry::of(&system) {
             return Self { exchange: Some(exchange), ..Self::of(system, vec![Self::of(symmetric, Vec::new())]) };
         }
         let count = if system.classes > 1 { system.classes } else { 0 };
@@ -68,12 +68,12 @@ impl LocalBody {
     }
 
     /// Returns an operator in run format, made at first use.
-    fn runs(&self, operator: Operator) -> Option<Rc<Runs>> {
+    fn runs(&self, operator: Operator) -> Option<Rc<RunLengthMatrix>> {
         let mut products = self.products.borrow_mut();
         if let Some((_, known)) = products.iter().find(|(known, _)| *known == operator) {
             return Some(known.clone());
         }
-        let runs = Rc::new(Runs::new(self.matrix(operator)?));
+        let runs = Rc::new(RunLengthMatrix::new(self.matrix(operator)?));
         products.push((operator, runs.clone()));
         Some(runs)
     }
@@ -106,7 +106,7 @@ impl LinearBody for LocalBody {
             translation: system.translation.clone(),
             is_free: system.support.is_none() && !is_held,
             hit_stress: system.hit_stress.clone(),
-            hit_local: system.hit_local,
+            local_stress_per_newton: system.local_stress_per_newton,
             copies: system.copies,
         })
     }
@@ -161,7 +161,7 @@ impl LinearBody for LocalBody {
         if self.classes.is_empty() { vec![self] } else { self.classes.iter().map(|class| class as _).collect() }
     }
 
-    fn exchange(&self) -> Option<&Exchange> {
+    fn exchange(&self) -> Option<&DiagonalSymmetry> {
         self.exchange.as_ref()
     }
 }

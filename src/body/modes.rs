@@ -191,7 +191,7 @@ pub struct Spectrum {
     vectors: DMatrix<f64>,
     /// Stress forms on the face opposite the impact point, in coordinates of the basis, one in each row.
     hit_stress: DMatrix<f64>,
-    hit_local: [f64; 3],
+    local_stress_per_newton: [f64; 3],
     /// Unilateral foundations in the modes.
     foundation: Option<FoundationPoints>,
     /// Number of lowest modes that include all modes stiffened by foundations.
@@ -231,13 +231,14 @@ impl Spectrum {
             rate: projection.rate,
             relaxes: projection.relaxations.iter().any(|part| {
                 let chain = &part.chain;
-                chain.transformed_terms(projection.rate) > LARGEST_VISCOELASTIC_PART * chain.transformed(projection.rate)
+                chain.transformed_terms(projection.rate)
+                    > LARGEST_VISCOELASTIC_PART * chain.transformed(projection.rate)
             }),
             support_offset: projection.support_offset,
             foundation,
             vectors,
             hit_stress: projection.hit_stress.clone(),
-            hit_local: projection.hit_local,
+            local_stress_per_newton: projection.local_stress_per_newton,
             short_waves,
         }
     }
@@ -375,7 +376,8 @@ impl Spectrum {
             relaxing: of_relaxing,
             is_open: self.short_waves.is_some(),
         };
-        let hit_stress = (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.hit_local));
+        let hit_stress =
+            (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.local_stress_per_newton));
         Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress, foundation })
     }
 }

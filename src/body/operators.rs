@@ -52,8 +52,8 @@ pub struct Body {
     pub(crate) rigid_motions: Option<NullSpace>,
     /// Same as [`System::hit_stress`](super::System::hit_stress).
     pub hit_stress: Vec<Vector>,
-    /// Same as [`System::hit_local`](super::System::hit_local).
-    pub hit_local: [f64; 3],
+    /// Same as [`System::local_stress_per_newton`](super::System::local_stress_per_newton).
+    pub local_stress_per_newton: [f64; 3],
     /// Rigid translation of the whole body by one unit in the impactor's direction.
     pub translation: Vector,
     /// Same as [`System::infinite_plate`](super::System::infinite_plate).
@@ -127,7 +127,9 @@ impl Body {
         mass.zero_rows_columns(&self.clamps.rows, 1.0)?;
         mass.declare_positive_definite()?;
         let method = match self.method {
-            Method::Multigrid { .. } | Method::Incomplete { .. } => Method::Diagonal { tolerance: MASS_SOLVE_TOLERANCE },
+            Method::Multigrid { .. } | Method::Incomplete { .. } => {
+                Method::Diagonal { tolerance: MASS_SOLVE_TOLERANCE }
+            }
             method => method,
         };
         let solver = solver(self.comm(), "mass_", &mass, method)?;

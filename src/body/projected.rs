@@ -92,7 +92,7 @@ impl Projected {
             force: basis.along(&properties.force),
             translation: basis.along(momentum.get(0)),
             hit_stress,
-            hit_local: properties.hit_local,
+            local_stress_per_newton: properties.local_stress_per_newton,
             load: basis.along(&properties.load),
             support_load: basis.along(&properties.support_load),
             support_offset: properties.support_offset,

@@ -28,8 +28,8 @@ pub struct Projection {
     pub translation: DVector<f64>,
     /// Linear forms of [`System::hit_stress`] on V, one in each row.
     pub hit_stress: DMatrix<f64>,
-    /// Same as [`System::hit_local`].
-    pub hit_local: [f64; 3],
+    /// Same as [`System::local_stress_per_newton`].
+    pub local_stress_per_newton: [f64; 3],
     /// Vᵀf of body forces and tractions.
     pub load: DVector<f64>,
     /// Vᵀ∫ k ū of the supports.
@@ -68,7 +68,7 @@ impl Projection {
             compliance: self.compliance,
             patch: self.patch,
             hit_stress: self.hit_stress.row_iter().map(|row| row.iter().copied().collect()).collect(),
-            hit_local: self.hit_local,
+            local_stress_per_newton: self.local_stress_per_newton,
             translation: self.translation.as_slice().to_vec(),
             infinite_plate: None,
             exchange: None,
@@ -152,7 +152,7 @@ impl Projection {
             force: head(&self.force),
             translation: head(&self.translation),
             hit_stress: self.hit_stress.columns(0, count).into_owned(),
-            hit_local: self.hit_local,
+            local_stress_per_newton: self.local_stress_per_newton,
             load: head(&self.load),
             support_load: head(&self.support_load),
             support_offset: self.support_offset,

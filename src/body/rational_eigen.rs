@@ -32,14 +32,14 @@ const CONVERGED: f64 = 1e-10;
 
 /// Convergence state of the iterations for one pair.
 #[derive(Debug)]
-pub(super) struct Settling {
+pub(super) struct Convergence {
     /// Whether λ is accurate enough for a last iteration, which makes φ as accurate as λ.
     pub is_found: bool,
     /// Last relative change of λ.
     last: f64,
 }
 
-impl Settling {
+impl Convergence {
     pub fn new() -> Self {
         Self { is_found: false, last: f64::INFINITY }
     }
@@ -249,7 +249,7 @@ impl Rational<'_> {
             let [_, slope] = self.modulus(rate);
             (rate + rate) * shape.dot(shape) + slope * shape.dot(stretched)
         };
-        let mut settling = Settling::new();
+        let mut convergence = Convergence::new();
         for _ in 0..MAX_ITERATIONS {
             let [g, of_g] = self.modulus(rate);
             let stretched = &distortion * &shape;
@@ -267,13 +267,13 @@ impl Rational<'_> {
             let change = next.dot(&(&matrix * &next)) / slope(rate, &next, &stretched);
             shape = next;
             rate -= change;
-            if settling.ends(change.modulus() / rate.modulus()) {
+            if convergence.ends(change.modulus() / rate.modulus()) {
                 break;
             }
         }
         let stretched = &distortion * &shape;
         let slope = slope(rate, &shape, &stretched);
-        settling.is_found.then(|| Pair { rate: rate.into(), shape: shape.map(Into::into), slope: slope.into() })
+        convergence.is_found.then(|| Pair { rate: rate.into(), shape: shape.map(Into::into), slope: slope.into() })
     }
 
     /// Whether no pair is missing or inaccurate: the sums over all pairs, multiplied by test vectors, must have their

@@ -90,7 +90,7 @@ impl Response {
                 residual: residual.clone(),
                 rest: rest.clone(),
             },
-            hit_stress: (projection.hit_stress.clone(), projection.hit_local),
+            hit_stress: (projection.hit_stress.clone(), projection.local_stress_per_newton),
             compliance: projection.compliance,
             copies: projection.copies,
             patch: projection.patch,

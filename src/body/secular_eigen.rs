@@ -16,7 +16,7 @@ use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 use super::axpy::product;
 use super::dense_solve::solved;
 use super::eigen::symmetric_eigen;
-use super::rational_eigen::{IDLE, MAX_ITERATIONS, Pair, Rational, Settling};
+use super::rational_eigen::{Convergence, IDLE, MAX_ITERATIONS, Pair, Rational};
 
 /// Modes, with the directions that couple them.
 pub struct Secular<'a> {
@@ -42,30 +42,30 @@ impl<'a> Secular<'a> {
         let [g, _] = self.excess(of, Complex::new(0.0, square.sqrt()));
         // This sign belongs to a decaying vibration.
         let mut rate = -(-(own.dot(&own) * g + square)).sqrt();
-        let mut settling = Settling::new();
+        let mut convergence = Convergence::new();
         let (mut shape, mut slope) = (DVector::zeros(self.squares.len()), Complex::new(0.0, 0.0));
         for _ in 0..MAX_ITERATIONS {
             let [g, of_g] = self.excess(of, rate);
-            let mut answers = self.answers(rate);
-            answers[mode] = Complex::new(0.0, 0.0);
-            let y = solved(self.system(&answers, g), own.clone());
-            shape = self.spread(&y).component_mul(&answers) * -g;
+            let mut receptances = self.receptances(rate);
+            receptances[mode] = Complex::new(0.0, 0.0);
+            let y = solved(self.system(&receptances, g), own.clone());
+            shape = self.spread(&y).component_mul(&receptances) * -g;
             shape[mode] = Complex::new(1.0, 0.0);
             slope = rate * 2.0 * shape.dot(&shape) + of_g * y.dot(&y);
             let change = (rate * rate + square + g * own.dot(&y)) / slope;
             rate -= change;
-            if settling.ends(change.modulus() / rate.modulus()) {
+            if convergence.ends(change.modulus() / rate.modulus()) {
                 break;
             }
         }
         let length = shape.norm();
         let pair = Pair { rate, shape: shape / Complex::new(length, 0.0), slope: slope / (length * length) };
-        Some(pair).filter(|pair| settling.is_found && pair.rate.is_finite() && pair.rate.im > 0.0)
+        Some(pair).filter(|pair| convergence.is_found && pair.rate.is_finite() && pair.rate.im > 0.0)
     }
 
     /// Returns the real pairs between two poles; `None` if some are not found.
     pub fn creeping(&self, (pole, slower): (f64, f64), of: &Rational<'_>) -> Option<Vec<Pair>> {
-        let together = self.sum(&self.answers(pole));
+        let together = self.sum(&self.receptances(pole));
         let (values, directions) = symmetric_eigen(together);
         let all: f64 = of.chain.terms.iter().map(|term| term.modulus).sum();
         let found = values.iter().zip(directions.column_iter()).filter(|(value, _)| **value * all > IDLE);
@@ -78,14 +78,14 @@ impl<'a> Secular<'a> {
 
     /// Refines an approximate real pair; `None` if the iterations do not converge.
     fn creep(&self, mut rate: f64, mut y: DVector<f64>, of: &Rational<'_>) -> Option<Pair> {
-        let mut settling = Settling::new();
+        let mut convergence = Convergence::new();
         for _ in 0..MAX_ITERATIONS {
             let [g, of_g] = self.excess(of, rate);
-            let answers = self.answers(rate);
-            let system = self.system(&answers, g);
+            let receptances = self.receptances(rate);
+            let system = self.system(&receptances, g);
             let turned = |y: &DVector<f64>| {
-                let spread = self.spread(y).component_mul(&answers);
-                let bent = product(&self.transposed, &spread.component_mul(&answers));
+                let spread = self.spread(y).component_mul(&receptances);
+                let bent = product(&self.transposed, &spread.component_mul(&receptances));
                 product(&self.transposed, &spread) * of_g - bent * (2.0 * rate * g)
             };
             let next = solved(system.clone(), turned(&y));
@@ -97,15 +97,15 @@ impl<'a> Secular<'a> {
             y = next / length;
             let change = y.dot(&(&system * &y)) / y.dot(&turned(&y));
             rate -= change;
-            if settling.ends(change.abs() / rate.abs()) {
+            if convergence.ends(change.abs() / rate.abs()) {
                 break;
             }
         }
-        let shape = self.spread(&y).component_mul(&self.answers(rate)).normalize();
+        let shape = self.spread(&y).component_mul(&self.receptances(rate)).normalize();
         let [_, of_g] = self.excess(of, rate);
         let slope = 2.0 * rate * shape.dot(&shape) + of_g * (&self.transposed * &shape).norm_squared();
         let [rate, slope] = [rate, slope].map(|value| Complex::new(value, 0.0));
-        settling.is_found.then(|| Pair { rate, shape: shape.map(|entry| Complex::new(entry, 0.0)), slope })
+        convergence.is_found.then(|| Pair { rate, shape: shape.map(|entry| Complex::new(entry, 0.0)), slope })
     }
 
     /// Returns γ and g′.
@@ -115,7 +115,7 @@ impl<'a> Secular<'a> {
     }
 
     /// Returns 1/(ω² + λ²) of all modes.
-    fn answers<T: ComplexField<RealField = f64> + Copy>(&self, rate: T) -> DVector<T> {
+    fn receptances<T: ComplexField<RealField = f64> + Copy>(&self, rate: T) -> DVector<T> {
         self.squares.map(|square| T::one() / (rate * rate + T::from_real(square)))
     }
 
@@ -125,17 +125,17 @@ impl<'a> Secular<'a> {
         joined(&product(self.factor, &real), &product(self.factor, &imaginary))
     }
 
-    /// Returns 1 + γ Bᵀ diag(answers) B.
-    fn system<T: ComplexField<RealField = f64> + Copy>(&self, answers: &DVector<T>, g: T) -> DMatrix<T> {
-        let mut system = self.sum(answers) * g;
+    /// Returns 1 + γ Bᵀ diag(receptances) B.
+    fn system<T: ComplexField<RealField = f64> + Copy>(&self, receptances: &DVector<T>, g: T) -> DMatrix<T> {
+        let mut system = self.sum(receptances) * g;
         (0..system.nrows()).for_each(|i| system[(i, i)] += T::one());
         system
     }
 
-    /// Returns Bᵀ diag(answers) B. Real and imaginary parts are stacked in one product.
-    fn sum<T: ComplexField<RealField = f64> + Copy>(&self, answers: &DVector<T>) -> DMatrix<T> {
+    /// Returns Bᵀ diag(receptances) B. Real and imaginary parts are stacked in one product.
+    fn sum<T: ComplexField<RealField = f64> + Copy>(&self, receptances: &DVector<T>) -> DMatrix<T> {
         let (directions, modes) = self.transposed.shape();
-        let [real, imaginary] = parts(answers);
+        let [real, imaginary] = parts(receptances);
         // The imaginary part is skipped if it is zero.
         let rows = if imaginary.amax() > 0.0 { 2 * directions } else { directions };
         let mut scaled = DMatrix::zeros(rows, modes);

@@ -52,7 +52,7 @@ pub struct System {
     /// they are not read.
     pub hit_stress: Vec<Vec<f64>>,
     /// Local stresses that these forms lack for a force of 1 N on the whole body, Pa.
-    pub hit_local: [f64; 3],
+    pub local_stress_per_newton: [f64; 3],
     /// Unknowns of a rigid unit translation along the impactor's direction.
     pub translation: Vec<f64>,
     /// Response of an infinite plate of the same section, if the body is a plate.
@@ -124,7 +124,7 @@ impl Body {
             rigid_motions: None,
             method: Method::Cholesky,
             hit_stress: system.hit_stress.iter().map(|form| vector(form)).collect::<Result<_>>()?,
-            hit_local: system.hit_local,
+            local_stress_per_newton: system.local_stress_per_newton,
             translation: vector(&system.translation)?,
             infinite_plate: system.infinite_plate.clone(),
             deviates: vector(&deviates)?,

@@ -3,12 +3,12 @@
 mod bench;
 pub mod chart;
 pub mod check;
+pub mod checkpoint_writer;
 mod collect;
 pub mod environment;
 mod follow;
 pub mod info;
 pub mod interrupt;
-pub mod keeping;
 pub mod limit;
 mod load;
 mod members;

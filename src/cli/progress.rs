@@ -47,7 +47,8 @@ impl Left {
 
     /// Remaining time in words, to be appended to a message; empty if there is no estimate yet.
     fn words(&self, done: f64) -> String {
-        let Some((begin, at)) = self.first.filter(|(_, at)| self.count > Self::PARTS_BEFORE_ESTIMATE && done > *at) else {
+        let Some((begin, at)) = self.first.filter(|(_, at)| self.count > Self::PARTS_BEFORE_ESTIMATE && done > *at)
+        else {
             return String::new();
         };
         let seconds = begin.elapsed().as_secs_f64() * (1.0 - done).max(0.0) / (done - at);

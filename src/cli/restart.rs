@@ -17,14 +17,14 @@ use crate::record::target::is_same;
 use crate::scene::{self, Geometry, Output, Scene, Source};
 use crate::space::evaluate::TensionMap;
 
+use super::checkpoint_writer::Known;
 use super::collect::{gathered, shared};
-use super::keeping::Known;
 use super::load::{changed, mesh_digest};
 use super::summary::Summary;
 use super::tell;
 
 /// State of a run that is to be continued.
-pub enum Past {
+pub enum RestartState {
     /// The run is complete: nothing is left to do.
     Complete,
     /// The run has no checkpoint.
@@ -39,7 +39,7 @@ pub struct Moment {
     kept: Kept,
 }
 
-impl Past {
+impl RestartState {
     /// Reads the state of a run of a scene. Its result is at `result`, and it is to be continued in `output`.
     ///
     /// # Errors

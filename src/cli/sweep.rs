@@ -51,13 +51,15 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         }
     }
     let header = header(comm, arguments, &grid, (&scene, &source))?;
-    let (mut desk, mut todo) = (None, Vec::new());
+    let (mut recorder, mut todo) = (None, Vec::new());
     let is_something_missing = decided(comm, || {
-        todo = desk.insert(Desk::open(arguments, &header)?).missing();
+        todo = recorder.insert(SweepRecorder::open(arguments, &header)?).missing();
         remarks.tell(&grid);
         Ok(!todo.is_empty())
     })?;
-    let desk = desk.map(|desk| Rc::new(RefCell::new(Desk { progress: Items::new(todo.len(), "members"), ..desk })));
+    let recorder = recorder.map(|recorder| {
+        Rc::new(RefCell::new(SweepRecorder { progress: Items::new(todo.len(), "members"), ..recorder }))
+    });
 
     let (interrupt, alone) = (Rc::new(Interrupt::on_signals()), comm.session().alone());
     // One theory for all members, so that it does not change from one to the next.
@@ -90,27 +92,27 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         return Ok(interrupted(comm));
     }
     prepared?;
-    let keeper = desk.clone();
+    let keeper = recorder.clone();
     let flow = schedule(
         comm,
         todo,
         move || interrupt.is_raised_here(),
         &mut |index, interrupted| digest(&alone, &task(arguments, &source, &grid, index)?, &mut bodies, interrupted),
-        Box::new(move |member| keeper.as_ref().map_or(Ok(()), |desk| desk.borrow_mut().keep(member))),
+        Box::new(move |member| keeper.as_ref().map_or(Ok(()), |recorder| recorder.borrow_mut().keep(member))),
     )?;
     let mut status = if flow.is_break() { INTERRUPTED } else { 0 };
-    if let Some(desk) = desk {
-        let mut desk = desk.borrow_mut();
-        desk.progress.finish();
-        desk.writer.finish()?;
-        desk.print(&grid, begin.elapsed().as_secs_f64());
-        Remarks::of_results(&desk.writer, &tolerances).tell(&grid);
-        tell_of_idle_keys(&grid, &desk.writer);
+    if let Some(recorder) = recorder {
+        let mut recorder = recorder.borrow_mut();
+        recorder.progress.finish();
+        recorder.writer.finish()?;
+        recorder.print(&grid, begin.elapsed().as_secs_f64());
+        Remarks::of_results(&recorder.writer, &tolerances).tell(&grid);
+        tell_of_idle_keys(&grid, &recorder.writer);
         if flow.is_break() {
-            let missing = desk.missing().len();
+            let missing = recorder.missing().len();
             tell(format_args!("interrupted: {missing} members are missing; the same command computes them"));
         } else {
-            status = desk.status();
+            status = recorder.status();
         }
         warn_of_unused_options(comm)?;
     }
@@ -173,7 +175,7 @@ fn header(comm: &Comm, arguments: &Sweep, grid: &Grid, (scene, source): (&Scene,
 }
 
 /// Data of a sweep on rank 0.
-struct Desk {
+struct SweepRecorder {
     writer: SweepWriter,
     progress: Items,
     output: std::path::PathBuf,
@@ -181,7 +183,7 @@ struct Desk {
     before: usize,
 }
 
-impl Desk {
+impl SweepRecorder {
     /// Opens the result, and adds the members of existing parts to it.
     fn open(arguments: &Sweep, header: &Header) -> Result<Self> {
         let output = arguments.shard.map_or(arguments.output.clone(), |shard| shard.path(&arguments.output));
@@ -194,15 +196,15 @@ impl Desk {
                 writer.header().commit
             ));
         }
-        let mut desk = Self { writer, progress: Items::new(0, "members"), output, before: 0 };
-        if arguments.shard.is_none() && !desk.missing().is_empty() {
+        let mut recorder = Self { writer, progress: Items::new(0, "members"), output, before: 0 };
+        if arguments.shard.is_none() && !recorder.missing().is_empty() {
             for part in parts(&arguments.output) {
-                desk.take_over(&part)?;
+                recorder.take_over(&part)?;
             }
         }
-        desk.writer.flush()?;
-        desk.before = desk.writer.mine().count() - desk.missing().len();
-        Ok(desk)
+        recorder.writer.flush()?;
+        recorder.before = recorder.writer.mine().count() - recorder.missing().len();
+        Ok(recorder)
     }
 
     fn take_over(&mut self, path: &Path) -> Result<()> {

@@ -25,7 +25,7 @@ pub(crate) fn edges(x: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])
 }
 
 /// Whether the polygon is convex, counter-clockwise and not degenerate to a line, up to rounding.
-pub(crate) fn is_seen(x: &[[f64; 2]]) -> bool {
+pub(crate) fn is_convex_counter_clockwise(x: &[[f64; 2]]) -> bool {
     let along: Vec<[f64; 2]> = edges(x).map(|(from, to)| [to[0] - from[0], to[1] - from[1]]).collect();
     let longest = along.iter().map(|edge| edge[0].hypot(edge[1])).fold(0., f64::max);
     let rounding = 1e-12 * longest * longest;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::polygon::{Line, angles, crossing, edges, is_seen};
+use super::polygon::{Line, angles, crossing, edges, is_convex_counter_clockwise};
 use crate::element::{Element, Inverse, Shape, adaptive};
 
 /// Maximum number of nodes of a facet: the biquadratic quadrilateral has 9.
@@ -36,7 +36,7 @@ impl PressureForms {
     pub fn load(&self, x: &[[f64; 2]], out: &mut [f64]) {
         out.fill(0.);
         let lines: Vec<Line> = edges(x).filter_map(|(from, to)| Line::through(from, to)).collect();
-        if !is_seen(x) || lines.iter().any(|line| line.offset >= 1.) {
+        if !is_convex_counter_clockwise(x) || lines.iter().any(|line| line.offset >= 1.) {
             return;
         }
         let inverse = Inverse::new(self.element.shape(), x);

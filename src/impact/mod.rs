@@ -15,7 +15,7 @@ mod stepped;
 mod time_integration;
 
 pub use estimate::{Cause, ErrorEstimate, Errors, joined, rest};
-pub use modal::{ModalImpact, TIME_STEP_SHARE, Steps, Trace};
+pub use modal::{ModalImpact, Steps, TIME_STEP_SHARE, Trace};
 pub use observer::{Observer, Until};
 pub use parameters::ImpactParameters;
 pub use reading::{Probe, ProbeForms, Reading, Readout};

@@ -51,7 +51,7 @@ impl ImpactParameters {
 
     /// Upper bound of the force, N: the largest force of the same impact on a fixed half-space, with an allowance for
     /// damping.
-    pub(super) fn hardest(&self) -> f64 {
+    pub(super) fn force_bound(&self) -> f64 {
         self.law.force_law.peak_force(self.mass, self.speed) * (1.0 + self.law.damping * self.speed)
     }
 
@@ -72,9 +72,9 @@ impl ImpactParameters {
                 self.copies / law.compliance
             )));
         }
-        // On a body at rest the force never exceeds `hardest`; on a moving body it can be slightly larger. Ten times as
+        // On a body at rest the force never exceeds `force_bound`; on a moving body it can be slightly larger. Ten times as
         // much is a sign of instability.
-        if law.force(approach) > 10.0 * self.hardest().max(law.force(law.limit())) {
+        if law.force(approach) > 10.0 * self.force_bound().max(law.force(law.limit())) {
             return Err(Error::Unstable(
                 "the motion has blown up: the time integration is unstable at this step".into(),
             ));

@@ -4,6 +4,7 @@
 //! are numbered by their position in its grid (`lattice`). The rest of the program uses plain arrays.
 
 mod block;
+mod checks;
 mod gmsh;
 mod grid;
 mod lattice;
@@ -12,7 +13,6 @@ mod measure;
 mod mirror;
 mod part;
 mod plex;
-mod sound;
 mod whole;
 
 use std::collections::BTreeMap;

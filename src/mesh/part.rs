@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::scene::{Fault, Vec3};
 
 use super::Elements;
-use super::sound::check_extent;
+use super::checks::check_extent;
 
 /// Label of the facets on the boundary of the whole body.
 pub(super) const BOUNDARY: &str = "ricochet boundary";

@@ -10,11 +10,11 @@ use crate::element::Shape;
 use crate::error::Result;
 use crate::scene::{Body, Fault, Geometry, Parts};
 
+use super::checks::check_untangled;
 use super::gmsh;
 use super::grid::Grid;
 use super::lattice::BoxPart;
 use super::part::{BOUNDARY, Mark, Part};
-use super::sound::check_untangled;
 use super::{Elements, Mesh};
 
 /// DMPlex's label of the cells in physical groups, whose value is the number of the group.

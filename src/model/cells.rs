@@ -365,7 +365,9 @@ pub(super) fn on_coarser_cells(
     fine: &Fitted,
     watch: &dyn Watch,
 ) -> Result<Option<Judge>> {
-    let Built::Operators(built) = build(comm, scene, theory, COARSER_CELL_FACTOR * fine.size, watch)? else { return Ok(None) };
+    let Built::Operators(built) = build(comm, scene, theory, COARSER_CELL_FACTOR * fine.size, watch)? else {
+        return Ok(None);
+    };
     if built.body.linear().unknowns() == fine.unknowns {
         return Ok(None);
     }

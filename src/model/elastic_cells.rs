@@ -9,8 +9,8 @@
 use petsc_wrap::Comm;
 
 use super::cells::{
-    CellSize, FINER_CELL_FACTORS, Fitted, CELL_SHARE, ORDER, fitted, of_other_bases, on_coarser_cells, refine, unrefined,
-    with_local_fields,
+    CELL_SHARE, CellSize, FINER_CELL_FACTORS, Fitted, ORDER, fitted, of_other_bases, on_coarser_cells, refine,
+    unrefined, with_local_fields,
 };
 use super::reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_plate};

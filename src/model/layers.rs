@@ -14,10 +14,10 @@
 use petsc_wrap::Comm;
 
 use super::cells::CELL_SHARE;
-use super::climb::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, pressed, rougher};
 use super::elastic_cells;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::{BASIS_SHARE, larger};
+use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher};
 use super::theory::build_thin;
 use super::watch::Watch;
 use super::{Built, Model, build, reduce, refine, unrefined};
@@ -108,5 +108,5 @@ pub(super) fn layered(
     } else {
         Model::of(comm, &left, Theory::Layerwise, watch)?
     };
-    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(pressed(scene)))))
+    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(compression_error(scene)))))
 }

@@ -40,7 +40,8 @@ impl LongWaves {
             return None;
         }
         let of_error = (MEASURED / (BASIS_SHARE * scene.tolerance)).powf(1.0 / ORDER);
-        let frequency = TAU * FREQUENCY_TIMES_RISE * of_error / plate.rise(scene.impactor.stiffness, scene.impactor.speed);
+        let frequency =
+            TAU * FREQUENCY_TIMES_RISE * of_error / plate.rise(scene.impactor.stiffness, scene.impactor.speed);
         let vectors = plate.vectors(frequency);
         let is_long = (SHORT_WAVES_APART..=most).contains(&vectors) && !plate.is_near_edge(frequency);
         is_long.then_some(Self { frequency, vectors })

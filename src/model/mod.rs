@@ -1,7 +1,6 @@
 //! Selects the theory for a scene's body, reduces the body to a basis, and runs impacts on it.
 
 mod cells;
-mod climb;
 mod elastic_cells;
 mod layers;
 mod linearity;
@@ -9,6 +8,7 @@ mod long_waves;
 mod mindlin_error;
 mod readings;
 mod reduce;
+mod select_theory;
 mod simulation;
 mod theory;
 mod trials;
@@ -100,7 +100,7 @@ impl Model {
     /// Same as [`Model::new`]; [`crate::Error::Interrupted`] if the watch stops it.
     pub fn watched(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Self> {
         match scene.body.model {
-            scene::Model::Auto => climb::climb(comm, scene, watch),
+            scene::Model::Auto => select_theory::select_theory(comm, scene, watch),
             theory => Self::of(comm, scene, theory, watch),
         }
     }

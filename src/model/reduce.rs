@@ -2,7 +2,7 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::{DirectSum, LinearBody, ModalBody, SHIFT_OVER_CUTOFF, Projection, Start};
+use crate::body::{DirectSum, LinearBody, ModalBody, Projection, SHIFT_OVER_CUTOFF, Start};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, Steps, Trace};
 use crate::scene::{Reduction, Scene};
@@ -302,7 +302,8 @@ impl Rule<'_> {
         let wanted = BASIS_SHARE * scene.tolerance;
         let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
         // A viscoelastic body is integrated on the smaller basis, at half the cost, if that is accurate enough.
-        let is_small_enough = relaxes && watch.decided(ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * difference.of(scene.measure) <= wanted);
+        let is_small_enough =
+            relaxes && watch.decided(ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * difference.of(scene.measure) <= wanted);
         let of_difference = match is_given {
             _ if is_small_enough => ERROR_FACTOR_OF_SMALLER_VISCOELASTIC,
             true => ERROR_FACTOR_OF_SMALLER,

@@ -247,7 +247,7 @@ fn of_grid(
     let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
     let read = evaluator.as_ref().filter(|_| scene.output.stress).and_then(|evaluator| evaluator.hit_stress(scene));
     if let Some(read) = read {
-        (system.hit_stress, system.hit_local) = read;
+        (system.hit_stress, system.local_stress_per_newton) = read;
     }
     // Nonlinear bodies, and the search for an equilibrium, use PETSc.
     let is_linear = system.pads.is_empty() && scene.time.initial == Initial::Rest;

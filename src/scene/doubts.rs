@@ -102,7 +102,12 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         "a run of {} s is {contacts:.1e} times as long as a contact on a half-space, {contact:.1e} s",
         show(end)
     );
-    doubt("time.end", contacts / LONGEST_RUN, what, format!("the time is in s: {} ms are {}", show(end), show(1e-3 * end)));
+    doubt(
+        "time.end",
+        contacts / LONGEST_RUN,
+        what,
+        format!("the time is in s: {} ms are {}", show(end), show(1e-3 * end)),
+    );
     if let Some(step) = scene.time.step {
         let what = format!(
             "a step of {} s is longer than a contact on a half-space, {contact:.1e} s, which it leaps over",

@@ -116,6 +116,7 @@ impl Newton {
 
 /// Keeps the factor of the linear solver for the next Jacobian, unless the last linear solve took too many iterations.
 fn keep_factor_while_it_serves(progress: &mut Progress) -> Result<()> {
-    let lag = if progress.linear_iterations()? <= MAX_ITERATIONS_WITH_KEPT_FACTOR { Lag::Keep } else { Lag::RebuildThenKeep };
+    let lag =
+        if progress.linear_iterations()? <= MAX_ITERATIONS_WITH_KEPT_FACTOR { Lag::Keep } else { Lag::RebuildThenKeep };
     progress.set_preconditioner_lag(lag)
 }

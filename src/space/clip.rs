@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::description::Extent;
 use crate::element::{Element, Quadrature, Shape, Table, gauss_legendre};
-use crate::form::polygon::{Line, angles, crossing, is_seen};
+use crate::form::polygon::{Line, angles, crossing, is_convex_counter_clockwise};
 use crate::scene::Vec3;
 
 /// Portion of a facet within an extent of space.
@@ -123,7 +123,7 @@ fn clip_to_ball(x: &[Vector3<f64>], centre: Vector3<f64>, radius: f64, rounding:
     let seen: Vec<[f64; 2]> = x.iter().map(|x| axes.each_ref().map(|axis| axis.dot(&(x - origin)) / disc)).collect();
     let edges = (0..seen.len()).filter_map(|i| Line::through(seen[i], seen[(i + 1) % seen.len()]));
     let lines: Vec<Line> = edges.collect();
-    if !is_seen(&seen) || lines.iter().any(|line| line.offset >= 1.0) {
+    if !is_convex_counter_clockwise(&seen) || lines.iter().any(|line| line.offset >= 1.0) {
         return Clipped::Nothing;
     }
     let (of_angle, of_radius) = (gauss_legendre(ANGLES), gauss_legendre(degree + 2));

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::local::{Carrier, END, LocalField, SHALLOW};
-use super::point::{PointField, Shallow};
+use super::local::{Carrier, END, HERTZ_DEPTH_FRACTION, LocalField};
+use super::point::{HertzPoint, PointField};
 use super::pressure::{Pressure, smooth_plane};
 use super::resultants::along_section;
 use super::section::Bending;
@@ -26,7 +26,7 @@ const ANTISYMMETRIC: [f64; 4] = [-1.0, -1.0, -1.0, 1.0];
 impl LocalField {
     /// Whether the half-space's part is separated at a depth (m).
     fn is_shallow(&self, depth: f64) -> bool {
-        depth < SHALLOW * self.stack.layers()[0].thickness
+        depth < HERTZ_DEPTH_FRACTION * self.stack.layers()[0].thickness
     }
 
     /// Length d (m) in the decay factor e^{−ξd} of waves at a depth.
@@ -111,7 +111,7 @@ impl<'a> Level<'a> {
         }
         coefficients.iter_mut().flatten().for_each(|a| *a *= factor);
         let poisson = local.stack.layers()[0].poisson;
-        let hertz = local.is_shallow(self.depth).then_some(Shallow { poisson, radius, depth: self.depth, factor });
+        let hertz = local.is_shallow(self.depth).then_some(HertzPoint { poisson, radius, depth: self.depth, factor });
         PointField { hertz, coefficients, largest: local.largest }
     }
 

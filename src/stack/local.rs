@@ -94,7 +94,7 @@ pub enum Sections {
 const REACH: f64 = 4.0;
 
 /// Depth, divided by the thickness of the loaded layer, down to which the half-space's part is separated.
-pub(super) const SHALLOW: f64 = 0.9;
+pub(super) const HERTZ_DEPTH_FRACTION: f64 = 0.9;
 
 /// Exponent ξz at which the sum over wavenumbers is truncated. The error is 1e-7 of a stress of 1/z².
 pub(super) const END: f64 = 22.0;
@@ -179,7 +179,7 @@ impl LocalField {
     pub fn within(reach: f64, stack: Stack, carrier: Carrier, largest: f64) -> Self {
         // The series has singularities at r_c² = −z² and farther away. The Bernstein ellipse determines the number of
         // terms for an error of 1e-9.
-        let centre = 1.0 + 2.0 * (SHALLOW * stack.layers()[0].thickness / largest).powi(2);
+        let centre = 1.0 + 2.0 * (HERTZ_DEPTH_FRACTION * stack.layers()[0].thickness / largest).powi(2);
         let decay = (centre + (centre * centre - 1.0).sqrt()).ln();
         let terms = ((20.7 / decay).ceil() + 1.0).clamp(4.0, MOST_TERMS as f64) as usize;
         Self::with_contacts(reach, stack, carrier, (largest, Chebyshev::new(terms)))
@@ -252,7 +252,7 @@ fn panels(stack: &Stack, length: f64) -> (usize, Vec<f64>) {
     // Panels are wide, so there is one more refinement if the moduli differ.
     let quarterings = (1.0 + (most / least).log(16.0)).ceil() as i32;
     let quarterings = if quarterings > 1 { quarterings } else { 0 };
-    let end = END / (SHALLOW * stack.layers()[0].thickness);
+    let end = END / (HERTZ_DEPTH_FRACTION * stack.layers()[0].thickness);
     let count = (end * length / PANEL).ceil().max(1.0);
     let width = end / count;
     let fine = (1..=quarterings).rev().map(|i| width * 0.25_f64.powi(i));

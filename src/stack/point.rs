@@ -45,7 +45,7 @@ impl Cylindrical {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointField {
     /// Position at which Hertz's field is added, if it is.
-    pub(super) hertz: Option<Shallow>,
+    pub(super) hertz: Option<HertzPoint>,
     /// Coefficients of Chebyshev polynomials of 2 (r_c/largest)² − 1: σ_rr + σ_θθ, σ_rr − σ_θθ, σ_zz, σ_rz, Pa.
     pub(super) coefficients: Vec<[f64; 4]>,
     /// Largest contact radius, m.
@@ -54,7 +54,7 @@ pub struct PointField {
 
 /// Point in the loaded layer (radius and depth in m) at which Hertz's field of a half-space is added.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shallow {
+pub(super) struct HertzPoint {
     pub poisson: f64,
     pub radius: f64,
     pub depth: f64,
@@ -67,7 +67,7 @@ impl PointField {
     /// other than Hertz's half-space field is evaluated at the largest one.
     pub fn stress(&self, contact_radius: f64) -> Cylindrical {
         let smooth = self.smooth_stress(contact_radius);
-        let Some(Shallow { poisson, radius, depth, factor }) = self.hertz else { return smooth };
+        let Some(HertzPoint { poisson, radius, depth, factor }) = self.hertz else { return smooth };
         smooth.plus(factor, &half_space::hertz(poisson, radius, depth, contact_radius))
     }
 

@@ -1,7 +1,7 @@
 //! Writes a stability study as tables: the complete results as CSV, and a summary as lines of text.
 
 use super::schemes::{label, name};
-use super::stability::{STEPS_PER_CONTACT, Reference, Row, Study};
+use super::stability::{Reference, Row, STEPS_PER_CONTACT, Study};
 
 /// Columns of the CSV, with their units.
 pub const COLUMNS: &str = "scheme,step_s,steps_per_contact,stable_step_s,steps,time_s,energy_error,growth,\

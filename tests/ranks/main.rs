@@ -33,8 +33,8 @@ mod contact {
 mod body {
     pub mod cantilever;
     pub mod convergence;
+    pub mod diagonal_symmetry;
     pub mod evaluate;
-    pub mod exchange;
     pub mod krylov;
     pub mod layers;
     pub mod layerwise;
@@ -116,7 +116,7 @@ fn main() -> ExitCode {
         body::cantilever,
         body::convergence,
         body::evaluate,
-        body::exchange,
+        body::diagonal_symmetry,
         body::krylov,
         body::layers,
         body::lumped,

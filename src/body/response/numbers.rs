@@ -21,7 +21,7 @@ pub struct Numbers {
     others: [Vec<f64>; 4],
     /// Stress forms on the face opposite the impact point, by columns of three.
     hit_stress: Vec<f64>,
-    hit_local: [f64; 3],
+    local_stress_per_newton: [f64; 3],
     compliance: f64,
     copies: f64,
     patch: Option<Patch>,
@@ -38,7 +38,7 @@ impl From<Response> for Numbers {
             residual,
             others: [way, of_load, of_force, rest].map(|vector| vector.as_slice().to_vec()),
             hit_stress: hit_stress.0.as_slice().to_vec(),
-            hit_local: hit_stress.1,
+            local_stress_per_newton: hit_stress.1,
             compliance,
             copies,
             patch,
@@ -48,8 +48,18 @@ impl From<Response> for Numbers {
 
 impl From<Numbers> for Response {
     fn from(numbers: Numbers) -> Self {
-        let Numbers { modes, places, free, residual, others, hit_stress, hit_local, compliance, copies, patch } =
-            numbers;
+        let Numbers {
+            modes,
+            places,
+            free,
+            residual,
+            others,
+            hit_stress,
+            local_stress_per_newton,
+            compliance,
+            copies,
+            patch,
+        } = numbers;
         let [way, of_load, of_force, rest] = others.map(DVector::from_vec);
         let vectors = way.len();
         let [mobility, load, square] = free;
@@ -60,7 +70,7 @@ impl From<Numbers> for Response {
             free: Free { mobility, load, square },
             residual,
             others: Shapes { moving: DMatrix::zeros(vectors, 0), free: [way, of_load], residual: of_force, rest },
-            hit_stress: (DMatrix::from_vec(rows, vectors, hit_stress), hit_local),
+            hit_stress: (DMatrix::from_vec(rows, vectors, hit_stress), local_stress_per_newton),
             compliance,
             copies,
             patch,

@@ -18,7 +18,7 @@ use crate::record::target::is_same;
 
 use super::Run;
 use super::load::{Loaded, STANDARD_INPUT, load};
-use super::restart::Past;
+use super::restart::RestartState;
 use super::{note, tell};
 use output::check_own;
 pub(super) use output::{Replaced, check_output};
@@ -60,18 +60,18 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
         }
         lock = Some(Lock::take(&output)?);
         let Some(result) = &arguments.restart else { return Ok(Start::Anew) };
-        Ok(match Past::read((result, &output), (&scene, &source))? {
-            Past::Complete => {
+        Ok(match RestartState::read((result, &output), (&scene, &source))? {
+            RestartState::Complete => {
                 tell(format_args!("{} is complete: there is nothing to continue", from.display()));
                 // A run that was killed after its last row may have left a checkpoint.
                 checkpoint::remove(from)?;
                 Start::Nothing
             }
-            Past::Beginning => {
+            RestartState::Beginning => {
                 note(format_args!("note: {} has no checkpoint beside it: from the beginning", from.display()));
                 Start::Anew
             }
-            Past::Moment(there) => {
+            RestartState::Moment(there) => {
                 moment = Some(there);
                 Start::GoOn
             }

@@ -16,8 +16,8 @@ use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
 use crate::scene::Scene;
 
+use super::super::checkpoint_writer::CheckpointWriter;
 use super::super::interrupt::Interrupt;
-use super::super::keeping::Keeping;
 use super::super::notes;
 use super::super::progress::Progress;
 use super::super::recording::Recording;
@@ -109,7 +109,7 @@ pub(super) struct End<'a> {
 pub(super) struct Watch {
     pub comm: Comm,
     pub interrupt: Rc<Interrupt>,
-    pub keeping: Keeping,
+    pub keeping: CheckpointWriter,
     /// On rank 0.
     pub recorder: Option<Recorder>,
 }

@@ -17,9 +17,9 @@ use crate::record::series::{Points, SeriesWriter};
 use crate::record::stress::{Faces, MapPoints, strengths};
 use crate::scene::{Fault, Scene, Source};
 
+use super::super::checkpoint_writer::CheckpointWriter;
 use super::super::follow::Follower;
 use super::super::interrupt::Interrupt;
-use super::super::keeping::Keeping;
 use super::super::notes;
 use super::super::progress::Progress;
 use super::super::provenance::{model_details, provenance};
@@ -94,7 +94,7 @@ pub(in crate::cli) fn solve(
     }
     check_strength(scene, &of_root(comm, Some(impact.faces().to_vec())))?;
     let recorder = record(comm, scene, (output, &provenance), beginning, linearity, &mut impact)?;
-    let keeping = Keeping::new(comm, (scene, source.text()), output, &impact);
+    let keeping = CheckpointWriter::new(comm, (scene, source.text()), output, &impact);
     let mut watch = Watch { comm: comm.clone(), interrupt, keeping, recorder };
     let stepped = impact.run_watched(&mut watch);
     let total = begin.elapsed().as_secs_f64();

@@ -12,8 +12,8 @@ use crate::impact::ImpactParameters;
 use crate::impact::step::Energy;
 use crate::scheme::modal::{quadratic, slopes};
 
-use super::answer::State;
 use super::motion::Taken;
+use super::step_response::State;
 
 /// Sums of the exchanged energy since t = 0, J, for the modelled part.
 #[derive(Debug, Clone, Copy, Default)]

@@ -6,13 +6,13 @@
 //! at least twice, with largest steps that differ by a factor of two. The difference estimates the error of the steps
 //! and of the modes left out.
 
-mod answer;
 mod energy_balance;
+mod foundations;
 mod hit;
-mod lift;
 mod motion;
 mod reading;
 mod stage;
+mod step_response;
 mod trace;
 
 use std::borrow::Borrow;
@@ -31,12 +31,12 @@ use super::reading::{Reading, Readout};
 use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 use super::{Count, Errors, ImpactParameters, Plan, TimeIntegration};
 use crate::impact::step::at;
-use answer::{FreeBody, State};
 use energy_balance::{EnergyBalance, Vibration, coordinates};
 use hit::HitTension;
 use motion::Motion;
 pub use motion::Steps;
 use reading::{FacesOfSteps, Reader};
+use step_response::{FreeBody, State};
 pub use trace::Trace;
 
 /// Largest ω h of a mode that takes part in the motion, where h is the largest step.
@@ -203,14 +203,15 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
     /// First guess of the peak force, N.
     fn guess(&self) -> f64 {
-        FIRST_PEAK_FACTOR * self.parameters.hardest()
+        FIRST_PEAK_FACTOR * self.parameters.force_bound()
     }
 
     /// Halves the time steps until the tolerance is met in the first contact.
     fn controlled(&mut self, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         let contact = self.contact_time;
         let resolving = LARGEST_PHASE_PER_STEP / self.body.borrow().stiffened();
-        let mut largest = (2.0 * FIRST_STEP_FACTOR * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);
+        let mut largest =
+            (2.0 * FIRST_STEP_FACTOR * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);
         // The allowed defect within a step is proportional to the cube of the step size, as the error is.
         let defect = |largest: f64, peak: f64| peak * (largest / (FIRST_STEP_FACTOR * contact)).powi(3).min(0.1);
         let guess = self.guess();

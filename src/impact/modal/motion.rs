@@ -4,9 +4,9 @@ use crate::body::Modes;
 use crate::contact::Law;
 use crate::error::{Error, Result};
 
-use super::answer::{Answer, FreeBody, LOOKS, State, SurfaceRate};
-use super::lift::{Lift, Pulled};
+use super::foundations::{FoundationForces, FoundationState};
 use super::stage::{Stage, solve, solve_damped};
+use super::step_response::{FreeBody, SAMPLE_POINTS, State, StepResponse, SurfaceRate};
 
 /// Largest number of halvings of the step.
 const LEVELS: usize = 40;
@@ -29,7 +29,7 @@ pub struct Taken {
     pub step: f64,
     /// Contact force F at the beginning, middle and end of the step, N.
     pub force: [f64; 3],
-    /// Approach δ at the beginning of the step and at [`LOOKS`], m.
+    /// Approach δ at the beginning of the step and at [`SAMPLE_POINTS`], m.
     pub approach: [f64; 5],
     /// Numerical energy of the unilateral foundations in the step, J; computed only for bodies with dampers.
     pub made: f64,
@@ -43,7 +43,7 @@ pub struct Motion<'a> {
     impactor: FreeBody,
     steps: Steps,
     /// Response tables, by the number of halvings of the largest step.
-    tables: Vec<Option<Answer>>,
+    tables: Vec<Option<StepResponse>>,
     level: usize,
     /// Force values (N) and size (s) of the last step; `None` after the end of a contact.
     last: Option<([f64; 3], f64)>,
@@ -54,7 +54,7 @@ pub struct Motion<'a> {
     /// Whether an apparent contact has just proved to have no force.
     grazing: bool,
     /// Unilateral foundations, if there are any.
-    lift: Option<Lift<'a>>,
+    foundations: Option<FoundationState<'a>>,
     /// Number of halvings from which on the foundation forces converge.
     coarsest: usize,
     /// State reached: modal coordinates, rigid-body motion and impactor.
@@ -84,7 +84,7 @@ impl<'a> Motion<'a> {
             touching: false,
             begun: false,
             grazing: false,
-            lift: Lift::new(modes, &state),
+            foundations: FoundationState::new(modes, &state),
             coarsest: 0,
             force: 0.0,
             approach: -impactor.gap - state.surface(modes),
@@ -106,7 +106,7 @@ impl<'a> Motion<'a> {
 
     /// Energy of springs that unilateral foundations do not have where the body has lifted off, J.
     pub fn absent_energy(&self) -> f64 {
-        self.lift.as_ref().map_or(0.0, Lift::energy)
+        self.foundations.as_ref().map_or(0.0, FoundationState::energy)
     }
 
     /// Rate of the contact force, Ḟ, N/s.
@@ -127,7 +127,7 @@ impl<'a> Motion<'a> {
         // A contact may be found and lost again before a step is accepted.
         for _ in 0..8 {
             let left = end - self.state.time;
-            let taken = if self.touching { self.press(left)? } else { self.fly(left)? };
+            let taken = if self.touching { self.step_in_contact(left)? } else { self.step_in_flight(left)? };
             if let Some(taken) = taken {
                 return Ok(taken);
             }
@@ -137,24 +137,24 @@ impl<'a> Motion<'a> {
 
     /// Returns the response table of a step; its size is the step of the present level or `left` (s), whichever is
     /// shorter.
-    fn table(&mut self, left: f64) -> Answer {
+    fn table(&mut self, left: f64) -> StepResponse {
         let step = self.steps.largest * 0.5_f64.powi(self.level as i32);
         // The last step takes all of the remaining time, so that rounding does not leave a tiny further step.
         if step > left * (1.0 - 1e-9) {
-            return Answer::new(self.modes, &self.impactor, left);
+            return StepResponse::new(self.modes, &self.impactor, left);
         }
         let (modes, impactor) = (self.modes, self.impactor);
-        self.tables[self.level].take().unwrap_or_else(|| Answer::new(modes, &impactor, step))
+        self.tables[self.level].take().unwrap_or_else(|| StepResponse::new(modes, &impactor, step))
     }
 
-    fn put_back(&mut self, table: Answer) {
+    fn put_back(&mut self, table: StepResponse) {
         if table.step == self.steps.largest * 0.5_f64.powi(self.level as i32) {
             self.tables[self.level] = Some(table);
         }
     }
 
     /// Takes a step without contact; `None` if contact begins immediately.
-    fn fly(&mut self, left: f64) -> Result<Option<Taken>> {
+    fn step_in_flight(&mut self, left: f64) -> Result<Option<Taken>> {
         self.level = self.coarsest;
         let (table, free, pulled) = loop {
             let table = self.table(left);
@@ -169,16 +169,16 @@ impl<'a> Motion<'a> {
                 return Err(not_followed());
             }
         };
-        let Some(look) = free.iter().position(|approach| *approach > 0.0) else {
+        let Some(sample) = free.iter().position(|approach| *approach > 0.0) else {
             let taken = self.take(&table, [0.0; 3], free, pulled);
             self.put_back(table);
             return Ok(Some(taken));
         };
-        if std::mem::take(&mut self.grazing) && look == 0 {
-            // δ rises so little that the force remains zero up to the first point of [`LOOKS`].
-            let until = LOOKS[0] * table.step;
+        if std::mem::take(&mut self.grazing) && sample == 0 {
+            // δ rises so little that the force remains zero up to the first point of [`SAMPLE_POINTS`].
+            let until = SAMPLE_POINTS[0] * table.step;
             self.put_back(table);
-            let table = Answer::new(self.modes, &self.impactor, until);
+            let table = StepResponse::new(self.modes, &self.impactor, until);
             let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
             return Ok(Some(self.take(&table, [0.0; 3], free, pulled)));
         }
@@ -186,31 +186,33 @@ impl<'a> Motion<'a> {
         self.force = self.law.damped(self.approach, self.rate()).force;
         // Contact begins with small steps, since F ∝ t^{3/2} is not close to a quadratic.
         self.level = if self.steps.defect.is_some() { 3 } else { 0 }.max(self.coarsest);
-        let (mut low, mut high) =
-            (if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step }, LOOKS[look] * table.step);
+        let (mut low, mut high) = (
+            if sample == 0 { 0.0 } else { SAMPLE_POINTS[sample - 1] * table.step },
+            SAMPLE_POINTS[sample] * table.step,
+        );
         self.put_back(table);
-        if look == 0 && self.approach >= 0.0 {
+        if sample == 0 && self.approach >= 0.0 {
             return Ok(None);
         }
-        let mut at = (if look == 0 { self.approach } else { free[look - 1] }, free[look]);
+        let mut at = (if sample == 0 { self.approach } else { free[sample - 1] }, free[sample]);
         let touch = find(None, &mut low, &mut high, &mut at, |t| self.flown(t));
         if touch <= 0.0 {
             return Ok(None);
         }
-        let table = Answer::new(self.modes, &self.impactor, touch);
+        let table = StepResponse::new(self.modes, &self.impactor, touch);
         let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
         let taken = self.take(&table, [0.0; 3], free, pulled);
         self.approach = 0.0;
         Ok(Some(taken))
     }
 
-    /// Approach δ at [`LOOKS`] of a step without contact, m, with the foundation forces; `None` if these are not found.
-    fn flight(&self, table: &Answer) -> Option<([f64; 4], Option<Pulled>)> {
+    /// Approach δ at [`SAMPLE_POINTS`] of a step without contact, m, with the foundation forces; `None` if these are not found.
+    fn flight(&self, table: &StepResponse) -> Option<([f64; 4], Option<FoundationForces>)> {
         let free = table.free(&self.state, self.impactor.gap);
-        match &self.lift {
+        match &self.foundations {
             None => Some((free, None)),
-            Some(lift) => {
-                let (free, pulled) = lift.solve(table, &self.state, free, |free| Some((free, [0.0; 3])))?;
+            Some(foundations) => {
+                let (free, pulled) = foundations.solve(table, &self.state, free, |free| Some((free, [0.0; 3])))?;
                 Some((free, Some(pulled)))
             }
         }
@@ -218,15 +220,15 @@ impl<'a> Motion<'a> {
 
     /// Approach δ after a time (s) without contact, m.
     fn flown(&self, time: f64) -> f64 {
-        if self.lift.is_none() || time <= 0.0 {
+        if self.foundations.is_none() || time <= 0.0 {
             return self.state.flown(self.modes, &self.impactor, time);
         }
-        let table = Answer::new(self.modes, &self.impactor, time);
+        let table = StepResponse::new(self.modes, &self.impactor, time);
         self.flight(&table).map_or(f64::NAN, |(free, _)| free[3])
     }
 
     /// Takes a step in contact; `None` if the contact has ended already.
-    fn press(&mut self, left: f64) -> Result<Option<Taken>> {
+    fn step_in_contact(&mut self, left: f64) -> Result<Option<Taken>> {
         loop {
             let table = self.table(left);
             self.solves += 1;
@@ -247,20 +249,20 @@ impl<'a> Motion<'a> {
             };
             if self.approach <= 0.0 && stage.approach[0] <= 0.0 {
                 self.put_back(table);
-                self.let_go();
+                self.end_contact();
                 self.grazing = true;
                 return Ok(None);
             }
-            if let Some(look) = stage.approach.iter().position(|approach| *approach <= 0.0) {
+            if let Some(sample) = stage.approach.iter().position(|approach| *approach <= 0.0) {
                 if self.begun && self.level < LEVELS {
                     self.put_back(table);
                     self.level += 1;
                     continue;
                 }
-                let before = if look == 0 { 0.0 } else { LOOKS[look - 1] * table.step };
-                let (length, table_step) = (LOOKS[look] * table.step, table.step);
+                let before = if sample == 0 { 0.0 } else { SAMPLE_POINTS[sample - 1] * table.step };
+                let (length, table_step) = (SAMPLE_POINTS[sample] * table.step, table.step);
                 self.put_back(table);
-                let guess = zero(&stage.approach, self.approach, look) * table_step;
+                let guess = zero(&stage.approach, self.approach, sample) * table_step;
                 if let Some(taken) = self.release((before, length), guess) {
                     return Ok(Some(taken));
                 }
@@ -285,7 +287,7 @@ impl<'a> Motion<'a> {
     /// the times `before` and `length` (s). `None` if it is not found.
     fn release(&mut self, (before, length): (f64, f64), guess: f64) -> Option<Taken> {
         let solved = |motion: &Self, step: f64| {
-            let table = Answer::new(motion.modes, &motion.impactor, step);
+            let table = StepResponse::new(motion.modes, &motion.impactor, step);
             // Near the end of a contact δ(t) is concave: at the middle of the step at least half of it is left.
             let first = [motion.guess(step)[0].max(0.5 * motion.approach), 0.0];
             let stage = motion.solve(&table, first, true);
@@ -308,13 +310,13 @@ impl<'a> Motion<'a> {
         let (table, stage) = solved(self, step);
         let (Stage { force, approach, .. }, pulled) = stage?;
         let taken = self.take(&table, force, approach, pulled);
-        self.let_go();
+        self.end_contact();
         Some(taken)
     }
 
     /// Solves for the forces over a step, from a guess of δ at its middle and its end (m). If `held`, the contact force
     /// at the end of the step is zero.
-    fn solve(&self, table: &Answer, guess: [f64; 2], held: bool) -> Option<(Stage, Option<Pulled>)> {
+    fn solve(&self, table: &StepResponse, guess: [f64; 2], held: bool) -> Option<(Stage, Option<FoundationForces>)> {
         let contact = |free: [f64; 4]| {
             if self.law.damping > 0.0 {
                 return solve_damped(&self.law, table, (self.approach, free), self.force, guess, held);
@@ -322,17 +324,17 @@ impl<'a> Motion<'a> {
             solve(&self.law, table, free, self.force, guess, held)
         };
         let free = table.free(&self.state, self.impactor.gap);
-        match &self.lift {
+        match &self.foundations {
             None => Some((contact(free)?, None)),
-            Some(lift) => {
+            Some(foundations) => {
                 let with_force = |free: [f64; 4]| contact(free).map(|stage| (stage, stage.force));
-                let (stage, pulled) = lift.solve(table, &self.state, free, with_force)?;
+                let (stage, pulled) = foundations.solve(table, &self.state, free, with_force)?;
                 Some((stage, Some(pulled)))
             }
         }
     }
 
-    fn let_go(&mut self) {
+    fn end_contact(&mut self) {
         self.touching = false;
         (self.force, self.last) = (0.0, None);
         self.approach = self.approach.min(0.0);
@@ -344,11 +346,17 @@ impl<'a> Motion<'a> {
         if self.last.is_none() { linear.map(|x| x.max(0.0)) } else { linear }
     }
 
-    fn take(&mut self, table: &Answer, force: [f64; 3], approach: [f64; 4], pulled: Option<Pulled>) -> Taken {
+    fn take(
+        &mut self,
+        table: &StepResponse,
+        force: [f64; 3],
+        approach: [f64; 4],
+        pulled: Option<FoundationForces>,
+    ) -> Taken {
         table.advance(&mut self.state, self.modes, &self.impactor, force);
         let made = pulled.as_ref().map_or(0.0, |pulled| pulled.made);
-        if let (Some(lift), Some(pulled)) = (&mut self.lift, pulled) {
-            lift.advance(table, &mut self.state, pulled);
+        if let (Some(foundations), Some(pulled)) = (&mut self.foundations, pulled) {
+            foundations.advance(table, &mut self.state, pulled);
         }
         let all = [self.approach, approach[0], approach[1], approach[2], approach[3]];
         (self.force, self.approach, self.last) = (force[2], approach[3], Some((force, table.step)));
@@ -361,12 +369,12 @@ fn not_followed() -> Error {
     Error::Solve("the forces of the pads are not found at any step".into())
 }
 
-/// Estimates where δ becomes zero, as a fraction of the step. `look` is the first point of [`LOOKS`] at which δ is not
+/// Estimates where δ becomes zero, as a fraction of the step. `sample` is the first point of [`SAMPLE_POINTS`] at which δ is not
 /// positive. The estimate is the zero of the parabola through this value and the two values before it.
-fn zero(approach: &[f64; 4], begin: f64, look: usize) -> f64 {
+fn zero(approach: &[f64; 4], begin: f64, sample: usize) -> f64 {
     let value = |k: usize| if k == 0 { begin } else { approach[k - 1] };
-    // The points of [`LOOKS`] are quarters of the step.
-    let last = look + 1;
+    // The points of [`SAMPLE_POINTS`] are quarters of the step.
+    let last = sample + 1;
     let (c, b, a) = (
         value(last),
         value(last - 1),

@@ -4,7 +4,7 @@
 use crate::contact::{Damped, Law};
 use crate::scheme::modal::{SLOPES, quadratic, slopes};
 
-use super::answer::{Answer, LOOKS, NODES};
+use super::step_response::{NODES, SAMPLE_POINTS, StepResponse};
 
 /// Largest number of Newton iterations. A few are enough; a step that needs more is too large.
 const MAX_ITERATIONS: usize = 40;
@@ -14,7 +14,7 @@ const MAX_ITERATIONS: usize = 40;
 pub struct Stage {
     /// Contact force F at 0, h/2 and h, N.
     pub force: [f64; 3],
-    /// Approach δ at [`LOOKS`], m.
+    /// Approach δ at [`SAMPLE_POINTS`], m.
     pub approach: [f64; 4],
     /// Largest difference between the contact law and the quadratic at h/4 and 3h/4, N.
     pub defect: f64,
@@ -25,9 +25,16 @@ pub struct Stage {
 /// Solves δ_i + Σ_j s_ij Φ(δ_j) = δ*_i at h/2 and h from a guess of both (m). Here δ* is the approach under the first
 /// value of the force alone, which is known. If `held`, the last force is zero. `None` if Newton's method does not
 /// converge.
-pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64; 2], held: bool) -> Option<Stage> {
-    let known = NODES.map(|k| free[k] - answer.answers(k)[0] * first);
-    let s = NODES.map(|k| [answer.answers(k)[1], answer.answers(k)[2]]);
+pub fn solve(
+    law: &Law,
+    response: &StepResponse,
+    free: [f64; 4],
+    first: f64,
+    guess: [f64; 2],
+    held: bool,
+) -> Option<Stage> {
+    let known = NODES.map(|k| free[k] - response.responses(k)[0] * first);
+    let s = NODES.map(|k| [response.responses(k)[1], response.responses(k)[2]]);
     let law_at = |place: usize, approach: f64| match held && place == 1 {
         true => (0.0, 0.0),
         false => law.force_and_tangent(approach),
@@ -45,7 +52,7 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
         if size(r) <= rounding {
             // The last correction is applied to the forces. A stiff contact needs them to more digits than δ provides.
             let force = [0, 1].map(|i| (at[i].0 - t[i] * change[i]).max(0.0));
-            return Some(finish(answer, free, [first, force[0], force[1]], iteration, |_, at| law.force(at)));
+            return Some(finish(response, free, [first, force[0], force[1]], iteration, |_, at| law.force(at)));
         }
         let (old, mut part) = (size(r), 1.0);
         let start = x;
@@ -60,7 +67,7 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
             part *= 0.5;
         }
         if part < 1e-3 {
-            let finish = || finish(answer, free, [first, at[0].0, at[1].0], iteration, |_, at| law.force(at));
+            let finish = || finish(response, free, [first, at[0].0, at[1].0], iteration, |_, at| law.force(at));
             return (old <= 1e3 * rounding).then(finish);
         }
     }
@@ -68,33 +75,34 @@ pub fn solve(law: &Law, answer: &Answer, free: [f64; 4], first: f64, guess: [f64
 }
 
 /// Same as [`solve`] for a force that also depends on δ̇. The rate is the derivative of the quartic through δ at the
-/// beginning of the step and at [`LOOKS`].
+/// beginning of the step and at [`SAMPLE_POINTS`].
 ///
 /// Newton's method is applied to the forces at h/2 and h: F_i = Φ(δ_i, δ̇_i), where δ and δ̇ are linear in the forces.
 pub fn solve_damped(
     law: &Law,
-    answer: &Answer,
+    response: &StepResponse,
     (begin, free): (f64, [f64; 4]),
     first: f64,
     guess: [f64; 2],
     held: bool,
 ) -> Option<Stage> {
     let approaches = |f: [f64; 2]| {
-        let look = |k: usize| {
-            let a = answer.answers(k);
+        let sample = |k: usize| {
+            let a = response.responses(k);
             free[k] - a[0] * first - a[1] * f[0] - a[2] * f[1]
         };
-        [begin, look(0), look(1), look(2), look(3)]
+        [begin, sample(0), sample(1), sample(2), sample(3)]
     };
     // Changes of δ and of δ̇ at the five points of the step for a force of 1 N at h/2 or at h.
-    let moved = [1, 2].map(|j| [0, 1, 2, 3, 4].map(|k: usize| if k == 0 { 0.0 } else { -answer.answers(k - 1)[j] }));
-    let turned = moved.map(|values| slopes(values, answer.step));
+    let moved =
+        [1, 2].map(|j| [0, 1, 2, 3, 4].map(|k: usize| if k == 0 { 0.0 } else { -response.responses(k - 1)[j] }));
+    let turned = moved.map(|values| slopes(values, response.step));
     let at = |f: [f64; 2]| {
         let all = approaches(f);
-        let rates = slopes(all, answer.step);
-        // The five points begin with the start of the step, so a node's index among them is its index in LOOKS plus
+        let rates = slopes(all, response.step);
+        // The five points begin with the start of the step, so a node's index among them is its index in SAMPLE_POINTS plus
         // one.
-        NODES.map(|look| (all[look + 1], law.damped(all[look + 1], rates[look + 1])))
+        NODES.map(|sample| (all[sample + 1], law.damped(all[sample + 1], rates[sample + 1])))
     };
     let residual =
         |f: [f64; 2], at: &[(f64, Damped); 2]| [f[0] - at[0].1.force, if held { f[1] } else { f[1] - at[1].1.force }];
@@ -106,11 +114,11 @@ pub fn solve_damped(
         let largest = |part: fn(&Damped) -> f64| part(&now[0].1).max(part(&now[1].1));
         let extent = begin.abs() + now[0].0.abs() + now[1].0.abs();
         // The derivative of the quartic amplifies the rounding of its values.
-        let steepest = largest(|at| at.stiffness) + SLOPES[4][3].abs() / answer.step * largest(|at| at.viscosity);
+        let steepest = largest(|at| at.stiffness) + SLOPES[4][3].abs() / response.step * largest(|at| at.viscosity);
         let rounding = 8.0 * f64::EPSILON * (size(f) + first + steepest * extent);
         let finished = |f: [f64; 2]| {
-            let rates = slopes(approaches(f), answer.step);
-            finish(answer, free, [first, f[0], f[1]], iteration, |look, at| law.damped(at, rates[look + 1]).force)
+            let rates = slopes(approaches(f), response.step);
+            finish(response, free, [first, f[0], f[1]], iteration, |sample, at| law.damped(at, rates[sample + 1]).force)
         };
         if size(r) <= rounding {
             return Some(finished(f));
@@ -146,18 +154,18 @@ fn solve_pair(a: [[f64; 2]; 2], r: [f64; 2]) -> Option<[f64; 2]> {
     x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
-/// Returns the stage of given forces; `force_at` is the contact law's force at a point of [`LOOKS`] and its δ.
+/// Returns the stage of given forces; `force_at` is the contact law's force at a point of [`SAMPLE_POINTS`] and its δ.
 fn finish(
-    answer: &Answer,
+    response: &StepResponse,
     free: [f64; 4],
     force: [f64; 3],
     iterations: usize,
     force_at: impl Fn(usize, f64) -> f64,
 ) -> Stage {
     let approach = [0, 1, 2, 3].map(|k| {
-        let a = answer.answers(k);
+        let a = response.responses(k);
         free[k] - a[0] * force[0] - a[1] * force[1] - a[2] * force[2]
     });
-    let off = |k: usize| (force_at(k, approach[k]) - quadratic(force, LOOKS[k])).abs();
+    let off = |k: usize| (force_at(k, approach[k]) - quadratic(force, SAMPLE_POINTS[k])).abs();
     Stage { force, approach, defect: off(0).max(off(2)), iterations }
 }

@@ -114,7 +114,7 @@ impl SteppedImpact {
             parameters.gap -= body.localization.vector.dot(rest)?;
         }
         let plan = Plan::new(scene, &mut body, &parameters)?;
-        let newton_tolerance = FORCE_TOLERANCE * parameters.hardest();
+        let newton_tolerance = FORCE_TOLERANCE * parameters.force_bound();
         let (methods, base) = ((scene.time.scheme, scene.solver.newton), plan.step());
         let mut step_sizes = StepSizes::new(comm, parameters.clone(), methods, newton_tolerance, base);
         // Set up here, so that wrong PETSc options are found before any output is written.

@@ -115,7 +115,8 @@ impl PadStep {
         let tolerance = self.tolerance.max(problem.largest);
         let displacement = self.gather.fetch(problem.u)?.to_vec();
         let penetration = self.reduced.as_ref().map_or_else(Vec::new, |reduced| reduced.penetration(&displacement));
-        let mut step = Step { contact: problem.force, penetration: &penetration, tolerance: FIRST_TOLERANCE_FACTOR * tolerance };
+        let mut step =
+            Step { contact: problem.force, penetration: &penetration, tolerance: FIRST_TOLERANCE_FACTOR * tolerance };
         // Forces φ whose effect E contains already.
         let mut applied = DVector::zeros(self.pushed.len() + 1);
         let (mut force, mut iterations) = (0.0, 0);

@@ -14,7 +14,7 @@ use crate::material::Decay;
 use crate::impact::checkpoint::Visitor;
 
 /// State of one Maxwell term.
-pub struct Lag {
+pub struct MaxwellTermState {
     /// Stretch w of the spring, m.
     stretch: Vector,
     /// Product D w, m².
@@ -41,7 +41,7 @@ pub struct Relaxing {
     moved: Vector,
 }
 
-impl Lag {
+impl MaxwellTermState {
     /// States of all terms of a body that has been at rest.
     pub(super) fn all(body: &Body) -> Result<Vec<Self>> {
         let count: usize = body.relaxations.iter().map(|relaxation| relaxation.chain.terms.len()).sum();
@@ -69,16 +69,16 @@ fn moduli(body: &Body) -> impl Iterator<Item = f64> {
 }
 
 /// out ← out + Σ G_i D w_i.
-pub(super) fn add_force(body: &Body, lags: &[Lag], out: &mut Vector) -> Result<()> {
+pub(super) fn add_force(body: &Body, lags: &[MaxwellTermState], out: &mut Vector) -> Result<()> {
     moduli(body).zip(lags).try_for_each(|(modulus, lag)| Ok(out.axpy(modulus, &lag.distortion)?))
 }
 
 /// Σ G_i (½ wᵀD w − ½ uᵀD w), J: energy stored by the terms minus half of the product of u with their force.
 /// Collective.
-pub(super) fn stored_beyond(body: &Body, lags: &[Lag], u: &Vector, surface: f64) -> Result<f64> {
+pub(super) fn stored_beyond(body: &Body, lags: &[MaxwellTermState], u: &Vector, surface: f64) -> Result<f64> {
     let mut sum = 0.0;
     for (modulus, lag) in moduli(body).zip(lags) {
-        let Lag { stretch, distortion } = lag;
+        let MaxwellTermState { stretch, distortion } = lag;
         let bent = distortion.dot(u)? - surface * distortion.dot(&body.translation)?;
         sum += 0.5 * modulus * (distortion.dot(stretch)? - bent);
     }
@@ -99,7 +99,7 @@ impl Relaxing {
     }
 
     /// out ← out + factor Σ G_i (1 − E_i) D w_i: the loss of force over a step without motion.
-    pub(super) fn add_lost(&self, lags: &[Lag], factor: f64, out: &mut Vector) -> Result<()> {
+    pub(super) fn add_lost(&self, lags: &[MaxwellTermState], factor: f64, out: &mut Vector) -> Result<()> {
         let terms = self.terms.iter().flatten().zip(lags);
         terms
             .into_iter()
@@ -107,7 +107,13 @@ impl Relaxing {
     }
 
     /// Computes the states after a step by an increment Δu (m). Collective.
-    pub(super) fn advance(&mut self, body: &Body, increment: &Vector, from: &[Lag], to: &mut [Lag]) -> Result<Relaxed> {
+    pub(super) fn advance(
+        &mut self,
+        body: &Body,
+        increment: &Vector,
+        from: &[MaxwellTermState],
+        to: &mut [MaxwellTermState],
+    ) -> Result<Relaxed> {
         let Self { terms, bent, moved } = self;
         bent.copy_from(increment)?;
         bent.axpy(-body.localization.vector.dot(increment)?, &body.translation)?;

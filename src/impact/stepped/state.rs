@@ -5,7 +5,7 @@ use petsc_wrap::{Matrix, Vector};
 use crate::body::Body;
 use crate::error::Result;
 
-use super::relaxation::{Lag, add_force};
+use super::relaxation::{MaxwellTermState, add_force};
 use crate::impact::checkpoint::Visitor;
 
 /// Displacement, velocity and acceleration of body and impactor.
@@ -111,7 +111,7 @@ pub struct Moment {
     /// Products K u, C u̇, M u̇.
     pub products: Products,
     /// States of the viscoelastic terms.
-    pub lags: Vec<Lag>,
+    pub lags: Vec<MaxwellTermState>,
     /// M ü of the free unknowns, N.
     pub inertia: Vector,
     /// Displacement of the surface under the impactor, aᵀu, m.
@@ -128,7 +128,7 @@ impl Moment {
     /// State of rest at u = 0.
     pub(super) fn zero(body: &Body) -> Result<Self> {
         let (state, products) = (State::zero(body)?, Products::zero(body)?);
-        let (lags, inertia) = (Lag::all(body)?, body.load.duplicate()?);
+        let (lags, inertia) = (MaxwellTermState::all(body)?, body.load.duplicate()?);
         Ok(Self { state, products, lags, inertia, surface: 0.0, approach: 0.0, rate: 0.0, pads: 0.0 })
     }
 
@@ -180,7 +180,7 @@ impl Moment {
                 visitor.vector(name, vector)?;
             }
         }
-        Lag::visit(lags, visitor)?;
+        MaxwellTermState::visit(lags, visitor)?;
         let Impactor { position, velocity, acceleration } = &mut state.q;
         let numbers = [
             ("impactor.position", position),

@@ -181,11 +181,11 @@ impl<'a> Supernode<'a> {
 
     /// Copies the values of the columns to the work array. Columns of unknowns below `inside` are eliminated.
     #[inline(always)]
-    fn taken<'w>(&self, inside: usize, x: &[f64], work: &'w mut [f64]) -> Taken<'w> {
+    fn taken<'w>(&self, inside: usize, x: &[f64], work: &'w mut [f64]) -> SupernodeWork<'w> {
         let eliminated = self.columns.min(inside - self.first);
         let work = &mut work[..self.rows()];
         work[..self.columns].copy_from_slice(&x[self.first..self.first + self.columns]);
-        Taken { eliminated, whole: eliminated - eliminated % TOGETHER, work }
+        SupernodeWork { eliminated, whole: eliminated - eliminated % TOGETHER, work }
     }
 
     /// Row number in the factor of a row of the supernode.
@@ -273,7 +273,7 @@ impl<'n, N: DoubleEndedIterator<Item = Supernode<'n>>> WithSimd for Sweep<'_, N>
 }
 
 /// Data at the start of a supernode in a sweep.
-struct Taken<'a> {
+struct SupernodeWork<'a> {
     /// Number of its columns that are eliminated.
     eliminated: usize,
     /// Number of these columns that are processed in whole groups.
@@ -285,7 +285,7 @@ struct Taken<'a> {
 #[inline(always)]
 fn forward<S: Simd>(simd: S, node: &Supernode, inside: usize, x: &mut [f64], work: &mut [f64]) {
     let Supernode { first, columns, below, .. } = *node;
-    let Taken { eliminated, whole, work } = node.taken(inside, x, work);
+    let SupernodeWork { eliminated, whole, work } = node.taken(inside, x, work);
     work[columns..].fill(0.0);
     for j in (0..whole).step_by(TOGETHER) {
         let group = node.group(j);
@@ -310,7 +310,7 @@ fn forward<S: Simd>(simd: S, node: &Supernode, inside: usize, x: &mut [f64], wor
 #[inline(always)]
 fn backward<S: Simd>(simd: S, node: &Supernode, inside: usize, x: &mut [f64], work: &mut [f64]) {
     let Supernode { first, columns, below, .. } = *node;
-    let Taken { eliminated, whole, work } = node.taken(inside, x, work);
+    let SupernodeWork { eliminated, whole, work } = node.taken(inside, x, work);
     work[columns..].iter_mut().zip(below).for_each(|(value, row)| *value = x[*row]);
     for j in (whole..eliminated).rev() {
         let column = &node.column(j)[j..];

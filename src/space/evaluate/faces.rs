@@ -239,8 +239,11 @@ pub(super) fn of_box(
     let is_hit = |x: Vec3| near.is_some_and(|near| near.distance(x) <= 1e-6 * near.thickness());
     let is_smoothed = |x: Vec3| is_hit(x) && near.is_some_and(|near| near.is_smoothed(x, size));
     let has_hit = is_smoothed(hit);
-    let is_left_out =
-        |x: &Vec3| has_hit && !is_hit(*x) && near.is_some_and(|near| near.distance(*x) < NEAR_HIT_OVER_THICKNESS * near.thickness());
+    let is_left_out = |x: &Vec3| {
+        has_hit
+            && !is_hit(*x)
+            && near.is_some_and(|near| near.distance(*x) < NEAR_HIT_OVER_THICKNESS * near.thickness())
+    };
     let local = |points: &[Vec3]| -> Vec<(usize, LocalPoint)> {
         let reached = points.iter().enumerate().filter_map(|(number, x)| {
             let near = near.filter(|near| near.distance(*x) <= REACH * near.width() && !is_left_out(x))?;

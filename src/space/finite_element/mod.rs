@@ -90,7 +90,7 @@ impl Body {
             support_load,
             support_offset,
             hit_stress: Vec::new(),
-            hit_local: [0.0; 3],
+            local_stress_per_newton: [0.0; 3],
             infinite_plate: None,
             translation: translation(mesh, description.direction)?,
             localization,

@@ -50,7 +50,8 @@ pub(super) fn lines(
         let largest = cell_size_factor * (largest_cell_factor * CELL_OVER_WAVELENGTH * wave).min(edge / MIN_CELLS);
         // The error of the deflection under a point load is proportional to F c²/D for a cell size c. A small fraction
         // of the wavelength suffices.
-        let at_hit = disc.map_or(section.thickness.max(largest / cell_size_factor / 8.0), |radius| CELL_OVER_DISC * radius);
+        let at_hit =
+            disc.map_or(section.thickness.max(largest / cell_size_factor / 8.0), |radius| CELL_OVER_DISC * radius);
         // Splines that are smooth across the impact point resolve it half as well as splines that end there.
         let at_hit = cell_size_factor * if hit == low { at_hit } else { 0.5 * at_hit };
         let sizes = Sizes { hit: at_hit, largest, growth: cell_size_factor * CELL_GROWTH };

@@ -296,7 +296,7 @@ impl Plate {
             compliance: if compliance == 0.0 { 0.0 } else { -compliance * copies },
             patch: None,
             hit_stress: Vec::new(),
-            hit_local: [0.0; 3],
+            local_stress_per_newton: [0.0; 3],
             infinite_plate: waves::of_points(&points),
             exchange,
             factorised,

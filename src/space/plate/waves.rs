@@ -53,14 +53,14 @@ fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>
     // ξ² = ω √(ρh/D) for long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
-    let Spectrum { density, yielding } = match local {
-        None => Spectrum { density: vec![(0.0, thin)], yielding: Vec::new() },
+    let Spectrum { density, fast_wave_compliances } = match local {
+        None => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
         Some(local) => of_mindlin(section, local, copies, thin),
     };
     // An area A has A ξ²/4π modes with wavenumbers below ξ.
     InfinitePlate {
         density,
-        yielding,
+        fast_wave_compliances,
         modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * copies),
         impedance: zener::impedance(&material, section.thickness),
         slowness,
@@ -104,7 +104,7 @@ struct Spectrum {
     /// Pairs of ω (rad/s), ascending, and the modal density ν (s/kg).
     density: Vec<(f64, f64)>,
     /// Pairs of ω (rad/s) and the static compliance (m/N) of waves that are faster than any contact.
-    yielding: Vec<(f64, f64)>,
+    fast_wave_compliances: Vec<(f64, f64)>,
 }
 
 /// Spectrum of a Mindlin plate. The bending waves have the density ν = (1/2π) ξ dξ/dω r² P². The thickness-shear waves,
@@ -113,7 +113,7 @@ struct Spectrum {
 fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Spectrum {
     let first = 0.01 / section.thickness;
     let mut density = vec![(waves(section, local, first)[0].frequency, longest)];
-    let (mut largest, mut is_complete, mut yielding) = (longest, false, Vec::new());
+    let (mut largest, mut is_complete, mut fast_wave_compliances) = (longest, false, Vec::new());
     for i in 1.. {
         let wavenumber = first * STEP.powi(i);
         if wavenumber * local.radius > SHORTEST {
@@ -123,9 +123,9 @@ fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Sp
         // ξ dξ = ξ² d ln ξ.
         let part = copies * wavenumber * wavenumber * STEP.ln() / (2.0 * PI);
         let spring = |wave: &Wave| (wave.frequency, part * wave.of_force / wave.frequency.powi(2));
-        yielding.push(spring(&shear));
+        fast_wave_compliances.push(spring(&shear));
         if is_complete {
-            yielding.push(spring(&bending));
+            fast_wave_compliances.push(spring(&bending));
             continue;
         }
         let ends = [1e-3, -1e-3].map(|part| wavenumber * (1.0 + part));
@@ -136,5 +136,5 @@ fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Sp
         largest = largest.max(value);
         is_complete = value < NEGLECTED_DENSITY * largest && wavenumber * local.radius > PI;
     }
-    Spectrum { density, yielding }
+    Spectrum { density, fast_wave_compliances }
 }

@@ -46,7 +46,8 @@ pub(super) fn lines(
         // At least one cell on the longer side, or two if the factor is below `ONE_ACROSS` across the thickness.
         let longest = lengths[0].max(lengths[1]);
         let is_halved = axis == geometry.struck && cell_size_factor < ONE_ACROSS;
-        let at_hit = (cell_size_factor * CELL_OVER_DISC * patch.disc).min(if is_halved { 0.5 * longest } else { longest });
+        let at_hit =
+            (cell_size_factor * CELL_OVER_DISC * patch.disc).min(if is_halved { 0.5 * longest } else { longest });
         let sizes = Sizes { hit: at_hit, largest: cell_size_factor * largest, growth };
         lengths.map(|length| Side { length, sizes })
     });

@@ -101,7 +101,13 @@ impl SplineSolid {
             (tensor.matrix(&forms), chain.clone())
         };
         let relaxations = description.relaxations().into_iter().map(relaxation).collect();
-        let points = Points::new(tensor, lines, parts, (&geometry, &patch), MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time());
+        let points = Points::new(
+            tensor,
+            lines,
+            parts,
+            (&geometry, &patch),
+            MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time(),
+        );
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
         let copies = geometry.copies();
         let system = System {
@@ -119,7 +125,7 @@ impl SplineSolid {
             compliance: copies * patch.compliance,
             patch: patch.patch,
             hit_stress: Vec::new(),
-            hit_local: [0.0; 3],
+            local_stress_per_newton: [0.0; 3],
             infinite_plate: None,
             exchange: may_exchange(&geometry, &points).then(|| exchange(&points.tensor, geometry.plane())),
             translation: translation(&points.tensor, description.direction),

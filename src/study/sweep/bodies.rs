@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
-use crate::model::{Dynamics, LARGE, Linearity, Model, BASIS_SHARE, ERROR_FACTOR_OF_SMALLER};
+use crate::model::{BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, LARGE, Linearity, Model};
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;

@@ -3,12 +3,12 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::{Assembled, Columns, Merged, ModalBody, Projection, snapshots};
+use crate::body::{Assembled, Columns, CommonBasis, ModalBody, Projection, snapshots};
 use crate::error::Result;
 use crate::impact::{Errors, ModalImpact, Readout};
 use crate::material::Maxwell;
 use crate::model::watch::Watch;
-use crate::model::{Built, CellSize, Gauges, BASIS_SHARE, Operators, build, cell_size, rate, reduce};
+use crate::model::{BASIS_SHARE, Built, CellSize, Gauges, Operators, build, cell_size, rate, reduce};
 use crate::scene::Scene;
 
 /// Least number of values for which a merged basis is made. Fewer are computed one by one.
@@ -25,7 +25,7 @@ const DEPTH: f64 = 0.03;
 
 /// A merged basis with its tested errors.
 pub struct Family {
-    merged: Merged,
+    merged: CommonBasis,
     /// Pairs (upper end of an interval of values, error over the whole history). The merged basis is tested at the
     /// middle of the interval; the discretisation error and the errors of the bodies' own bases are added.
     errors: Vec<(f64, f64)>,
@@ -97,7 +97,7 @@ impl Family {
         let merge = |pool: &Columns| {
             let depth = DEPTH * ends[0].scene.tolerance;
             let bodies = [(values[0], ends[0].body.linear()), (values[last], ends[1].body.linear())];
-            Merged::new(bodies, pool, depth, rate(&ends[0].scene))
+            CommonBasis::new(bodies, pool, depth, rate(&ends[0].scene))
         };
         let mut of_basis = ends[0].error.max(ends[1].error);
         let mut merged = merge(&pool)?;
@@ -157,7 +157,7 @@ impl Family {
 }
 
 /// Difference of the force on the merged basis from the force on the body's own basis.
-fn off(merged: &Merged, value: f64, sample: &Sample) -> Result<Errors> {
+fn off(merged: &CommonBasis, value: f64, sample: &Sample) -> Result<Errors> {
     let chains: Vec<Maxwell> = sample.body.linear().chains().into_iter().cloned().collect();
     let [basis, _] = merged.at(value).map(|body| body.with_chains(&chains));
     let (own, steps) = ModalImpact::new(&sample.scene, &ModalBody::of(&sample.own)).trace(None)?;

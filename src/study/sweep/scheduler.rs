@@ -69,9 +69,9 @@ pub fn schedule(
 ) -> Result<ControlFlow<()>> {
     let mut broke_off = false;
     if comm.is_root() {
-        broke_off = hand_out(Desk::new(comm, todo, Box::new(signalled), kept), compute)?;
+        broke_off = hand_out(Coordinator::new(comm, todo, Box::new(signalled), kept), compute)?;
     } else {
-        take(Bench::new(comm, Box::new(signalled)), compute)?;
+        take(Worker::new(comm, Box::new(signalled)), compute)?;
     }
     comm.mpi().process_at_rank(0).broadcast_into(&mut broke_off);
     Ok(if broke_off { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
@@ -90,29 +90,29 @@ fn now_and_then(look: impl Fn() -> bool + 'static) -> Rc<dyn Fn() -> bool> {
 }
 
 /// Work of rank 0; returns whether the sweep was stopped early.
-fn hand_out(mut desk: Desk, compute: &mut Compute) -> Result<bool> {
-    let mut own = desk.next_for(0);
-    let desk = Rc::new(RefCell::new(desk));
-    desk.borrow_mut().begin();
+fn hand_out(mut coordinator: Coordinator, compute: &mut Compute) -> Result<bool> {
+    let mut own = coordinator.next_for(0);
+    let coordinator = Rc::new(RefCell::new(coordinator));
+    coordinator.borrow_mut().begin();
     while let Some(index) = own {
-        let seen = desk.clone();
+        let seen = coordinator.clone();
         let member = compute(index, now_and_then(move || seen.borrow_mut().serve()))?;
-        let mut desk = desk.borrow_mut();
+        let mut coordinator = coordinator.borrow_mut();
         if let Some(member) = member {
-            desk.keep(Some(member));
+            coordinator.keep(Some(member));
         }
-        own = if desk.serve() { None } else { desk.next_for(0) };
+        own = if coordinator.serve() { None } else { coordinator.next_for(0) };
     }
-    while desk.borrow().is_waiting() {
-        desk.borrow_mut().serve();
+    while coordinator.borrow().is_waiting() {
+        coordinator.borrow_mut().serve();
         std::thread::sleep(IDLE);
     }
-    let mut desk = desk.borrow_mut();
-    desk.failed.take().map_or(Ok(desk.stopped), Err)
+    let mut coordinator = coordinator.borrow_mut();
+    coordinator.failed.take().map_or(Ok(coordinator.stopped), Err)
 }
 
 /// State of the schedule on rank 0.
-struct Desk {
+struct Coordinator {
     comm: Comm,
     /// Members not yet assigned, one queue per rank. Each queue has neighbouring members, which share most.
     queues: Vec<VecDeque<usize>>,
@@ -129,7 +129,7 @@ struct Desk {
     failed: Option<Error>,
 }
 
-impl Desk {
+impl Coordinator {
     fn new(comm: &Comm, todo: Vec<usize>, signalled: Box<dyn Fn() -> bool>, kept: Kept) -> Self {
         let (out, dismissed) = (vec![0; comm.size()], vec![false; comm.size()]);
         Self {
@@ -236,22 +236,22 @@ fn shares(todo: Vec<usize>, ranks: usize) -> Vec<VecDeque<usize>> {
 }
 
 /// Work of the other ranks.
-fn take(bench: Bench, compute: &mut Compute) -> Result<()> {
-    let comm = bench.comm.clone();
+fn take(worker: Worker, compute: &mut Compute) -> Result<()> {
+    let comm = worker.comm.clone();
     let root = comm.mpi().process_at_rank(0);
-    let bench = Rc::new(RefCell::new(bench));
+    let worker = Rc::new(RefCell::new(worker));
     loop {
-        let is_to_leave_off = bench.borrow_mut().look();
-        if bench.borrow().stopped {
+        let is_to_leave_off = worker.borrow_mut().look();
+        if worker.borrow().stopped {
             root.send_with_tag(&encoded(&Report::Bye)[..], TAG);
             return Ok(());
         }
-        let next = if is_to_leave_off { None } else { bench.borrow_mut().queue.pop_front() };
+        let next = if is_to_leave_off { None } else { worker.borrow_mut().queue.pop_front() };
         let Some(index) = next else {
             std::thread::sleep(IDLE);
             continue;
         };
-        let seen = bench.clone();
+        let seen = worker.clone();
         if let Some(member) = compute(index, now_and_then(move || seen.borrow_mut().look()))? {
             root.send_with_tag(&encoded(&Report::Done(Box::new(member)))[..], TAG);
         }
@@ -259,7 +259,7 @@ fn take(bench: Bench, compute: &mut Compute) -> Result<()> {
 }
 
 /// State of the schedule on another rank.
-struct Bench {
+struct Worker {
     comm: Comm,
     queue: VecDeque<usize>,
     signalled: Box<dyn Fn() -> bool>,
@@ -269,7 +269,7 @@ struct Bench {
     gave_up: bool,
 }
 
-impl Bench {
+impl Worker {
     fn new(comm: &Comm, signalled: Box<dyn Fn() -> bool>) -> Self {
         Self { comm: comm.clone(), queue: VecDeque::new(), signalled, stopped: false, gave_up: false }
     }

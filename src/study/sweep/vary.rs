@@ -81,12 +81,10 @@ fn range(from: &str, to: &str, log: bool) -> Result<Vec<String>, String> {
         number.ok_or_else(|| format!("{:?} is no end of a range: a number is wanted", text.trim()))
     };
     let (from, to) = (end(from)?, end(to)?);
-    let count: usize = count
-        .trim()
-        .parse()
-        .ok()
-        .filter(|count| (2..=MAX_VALUES).contains(count))
-        .ok_or_else(|| format!("{:?} is no number of values: 2 to {MAX_VALUES}, both ends included", count.trim()))?;
+    let count: usize =
+        count.trim().parse().ok().filter(|count| (2..=MAX_VALUES).contains(count)).ok_or_else(|| {
+            format!("{:?} is no number of values: 2 to {MAX_VALUES}, both ends included", count.trim())
+        })?;
     if from == to {
         return Err("both ends of the range are the same".into());
     }

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::Node;
 use super::between;
 use crate::body::{
-    Assembled, Columns, Exchange, Interpolant, ModalBody, Response, excited, main_directions, orthonormal_basis,
-    project, snapshots,
+    Assembled, Columns, DiagonalSymmetry, Interpolant, ModalBody, Response, excited, main_directions,
+    orthonormal_basis, project, snapshots,
 };
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, Readout, Steps, Trace};
@@ -58,7 +58,7 @@ pub struct SharedBasis {
     /// Basis vectors, in the unknowns of the part of the body that the force excites.
     pub basis: Columns,
     /// Map from that part to the whole body, if the part is not the whole.
-    exchange: Option<Exchange>,
+    exchange: Option<DiagonalSymmetry>,
     /// Number of unknowns of the whole bodies.
     pub unknowns: usize,
     /// Time steps in which all forces are compared.

@@ -10,7 +10,7 @@ use nalgebra::{Complex, DVector};
 
 use crate::body::{ModalFoundation, Modes};
 
-use super::answer::{Answer, LOOKS, NODES, State, real_product};
+use super::step_response::{NODES, SAMPLE_POINTS, State, StepResponse, real_product};
 
 /// Convergence tolerance: estimated change of the forces in the next iteration, relative to the forces of springs at
 /// all points.
@@ -24,17 +24,17 @@ const FIRST_CHECKED_ITERATION: usize = 4;
 const CAUTION: f64 = 10.0;
 
 /// State of the unilateral foundations of a body in motion.
-pub struct Lift<'a> {
+pub struct FoundationState<'a> {
     modes: &'a Modes,
     foundation: &'a ModalFoundation,
     /// Forces at the state reached.
-    now: Pull,
+    now: ForceState,
     last: Option<Last>,
 }
 
 /// Forces of a foundation.
 #[derive(Clone)]
-struct Pull {
+struct ForceState {
     /// Excess pull λ of the points minus its value in equilibrium, N.
     at_points: DVector<f64>,
     /// Generalised forces on the vibrations.
@@ -44,7 +44,7 @@ struct Pull {
 /// Results of the last step, which serve as the first guess for the next.
 struct Last {
     /// Forces at 0, h/2 and h.
-    pulls: [Pull; 3],
+    pulls: [ForceState; 3],
     /// Step size h, s.
     step: f64,
     /// Convergence ratio: change in the last iteration over the change in the one before.
@@ -52,15 +52,15 @@ struct Last {
 }
 
 /// Foundation forces of a step.
-pub struct Pulled {
+pub struct FoundationForces {
     /// Forces at h/2 and h.
-    pulls: [Pull; 2],
+    pulls: [ForceState; 2],
     ratio: Option<f64>,
     /// Numerical energy of the step, J, for bodies with dampers (otherwise 0): −Δ(½ λ²/k) minus the work of λ.
     pub made: f64,
 }
 
-impl Pull {
+impl ForceState {
     fn new(foundation: &ModalFoundation, at_points: DVector<f64>) -> Self {
         let rows = &foundation.points.rows;
         let along = if at_points.amax() == 0.0 { DVector::zeros(rows.ncols()) } else { -rows.tr_mul(&at_points) };
@@ -79,12 +79,12 @@ impl Pull {
     }
 }
 
-impl<'a> Lift<'a> {
+impl<'a> FoundationState<'a> {
     /// Sets up the foundations at a state; `None` if there are none.
     pub fn new(modes: &'a Modes, state: &State) -> Option<Self> {
         let foundation = modes.foundation.as_ref()?;
         let points = &foundation.points;
-        let now = Pull::new(foundation, points.pull(&points.penetration(&modes.places(&state.modes))));
+        let now = ForceState::new(foundation, points.pull(&points.penetration(&modes.places(&state.modes))));
         Some(Self { modes, foundation, now, last: None })
     }
 
@@ -93,17 +93,17 @@ impl<'a> Lift<'a> {
         self.foundation.points.energy(&self.now.at_points)
     }
 
-    /// Solves a step from a state. `free` is δ at [`LOOKS`] without any force. `contact` receives δ at [`LOOKS`] under
+    /// Solves a step from a state. `free` is δ at [`SAMPLE_POINTS`] without any force. `contact` receives δ at [`SAMPLE_POINTS`] under
     /// the foundation forces; it returns a result of its own and F at 0, h/2 and h. `None` if either is not found.
     pub fn solve<T>(
         &self,
-        table: &Answer,
+        table: &StepResponse,
         state: &State,
         free: [f64; 4],
         mut contact: impl FnMut([f64; 4]) -> Option<(T, [f64; 3])>,
-    ) -> Option<(T, Pulled)> {
+    ) -> Option<(T, FoundationForces)> {
         let points = &self.foundation.points;
-        let alone = NODES.map(|look| table.left_alone(look, state));
+        let alone = NODES.map(|sample| table.left_alone(sample, state));
         let mut pulls = self.guess(table.step);
         let mut ratio = self.last.as_ref().and_then(|last| {
             let longer = (table.step / last.step).max(1.0);
@@ -112,8 +112,8 @@ impl<'a> Lift<'a> {
         let mut before = f64::INFINITY;
         for turn in 0..MAX_ITERATIONS {
             let inputs = self.inputs([&self.now, &pulls[0], &pulls[1]]);
-            let moved = [0, 1, 2, 3].map(|look| self.moved(table, look, &inputs));
-            let (found, force) = contact([0, 1, 2, 3].map(|look| free[look] - moved[look]))?;
+            let moved = [0, 1, 2, 3].map(|sample| self.moved(table, sample, &inputs));
+            let (found, force) = contact([0, 1, 2, 3].map(|sample| free[sample] - moved[sample]))?;
             let all = self.with_contact(&inputs, force);
             let penetrations = [0, 1].map(|node| {
                 let mut z = table.driven(NODES[node], &all);
@@ -129,24 +129,24 @@ impl<'a> Lift<'a> {
             if change == 0.0 || ratio.is_some_and(|ratio| ratio * change <= FOUND * size) {
                 let made = self.made(table, state, [&self.now, &pulls[0], &pulls[1]], &all);
                 if change > 0.0 {
-                    pulls = next.map(|next| Pull::new(self.foundation, next));
+                    pulls = next.map(|next| ForceState::new(self.foundation, next));
                 }
                 let ratio = if turn > 0 { ratio } else { self.last.as_ref().and_then(|last| last.ratio) };
-                return Some((found, Pulled { pulls, ratio, made }));
+                return Some((found, FoundationForces { pulls, ratio, made }));
             }
             if !change.is_finite() || turn >= FIRST_CHECKED_ITERATION && change > 0.5 * before {
                 return None;
             }
             before = change;
-            pulls = next.map(|next| Pull::new(self.foundation, next));
+            pulls = next.map(|next| ForceState::new(self.foundation, next));
         }
         None
     }
 
     /// Completes a step: adds the effect of the foundation forces to a state that already contains the effect of the
     /// other forces.
-    pub fn advance(&mut self, table: &Answer, state: &mut State, pulled: Pulled) {
-        let Pulled { pulls: [middle, end], ratio, .. } = pulled;
+    pub fn advance(&mut self, table: &StepResponse, state: &mut State, pulled: FoundationForces) {
+        let FoundationForces { pulls: [middle, end], ratio, .. } = pulled;
         let driven = table.driven(NODES[1], &self.inputs([&self.now, &middle, &end]));
         state.modes.iter_mut().zip(driven).for_each(|(z, driven)| *z += driven);
         let begin = std::mem::replace(&mut self.now, end.clone());
@@ -154,17 +154,17 @@ impl<'a> Lift<'a> {
     }
 
     /// First guess of the forces at the middle and the end of a step: extrapolation of the last step's quadratic.
-    fn guess(&self, step: f64) -> [Pull; 2] {
+    fn guess(&self, step: f64) -> [ForceState; 2] {
         let Some(Last { pulls, step: last, .. }) = &self.last else { return [self.now.clone(), self.now.clone()] };
         [0.5, 1.0].map(|part| {
             let tau = part * step / last;
             let weights = [tau * (1.0 + 2.0 * tau), -4.0 * tau * (1.0 + tau), 1.0 + tau * (3.0 + 2.0 * tau)];
-            Pull::sum(weights, pulls.each_ref())
+            ForceState::sum(weights, pulls.each_ref())
         })
     }
 
     /// Inputs of the modal coordinates due to the foundation forces.
-    fn inputs(&self, pulls: [&Pull; 3]) -> [Vec<Complex<f64>>; 3] {
+    fn inputs(&self, pulls: [&ForceState; 3]) -> [Vec<Complex<f64>>; 3] {
         pulls.map(|pull| match &self.foundation.inputs {
             None => pull.along.iter().map(|f| Complex::new(*f, 0.0)).collect(),
             Some(inputs) => (inputs * pull.along.map(|f| Complex::new(f, 0.0))).as_slice().to_vec(),
@@ -179,26 +179,32 @@ impl<'a> Lift<'a> {
         })
     }
 
-    /// Displacement of the surface away from the impactor due to inputs, at a point of [`LOOKS`], m.
-    fn moved(&self, table: &Answer, look: usize, inputs: &[Vec<Complex<f64>>; 3]) -> f64 {
-        let driven = table.driven(look, inputs);
+    /// Displacement of the surface away from the impactor due to inputs, at a point of [`SAMPLE_POINTS`], m.
+    fn moved(&self, table: &StepResponse, sample: usize, inputs: &[Vec<Complex<f64>>; 3]) -> f64 {
+        let driven = table.driven(sample, inputs);
         self.modes.modes.iter().zip(driven).map(|(mode, z)| real_product(mode.output, z)).sum()
     }
 
     /// Numerical energy −Δ(½ λ²/k) minus the work of λ over a step, J. It is needed only with dampers; without them the
     /// residual of the energy balance contains it.
-    fn made(&self, table: &Answer, state: &State, pulls: [&Pull; 3], inputs: &[Vec<Complex<f64>>; 3]) -> f64 {
+    fn made(
+        &self,
+        table: &StepResponse,
+        state: &State,
+        pulls: [&ForceState; 3],
+        inputs: &[Vec<Complex<f64>>; 3],
+    ) -> f64 {
         let points = &self.foundation.points;
         if self.modes.forms.damped.is_none() {
             return 0.0;
         }
-        let at = |look: usize| {
-            let mut z = table.left_alone(look, state);
-            z.iter_mut().zip(table.driven(look, inputs)).for_each(|(z, driven)| *z += driven);
+        let at = |sample: usize| {
+            let mut z = table.left_alone(sample, state);
+            z.iter_mut().zip(table.driven(sample, inputs)).for_each(|(z, driven)| *z += driven);
             self.modes.places(&z)
         };
         let places: Vec<DVector<f64>> =
-            std::iter::once(self.modes.places(&state.modes)).chain((0..LOOKS.len()).map(at)).collect();
+            std::iter::once(self.modes.places(&state.modes)).chain((0..SAMPLE_POINTS.len()).map(at)).collect();
         let [a, b, c] = pulls.map(|pull| -&pull.along);
         // ∫λ ġ dt = [λ g] − ∫λ̇ g dt, where λ̇ is linear and g is integrated by Boole's rule.
         let weights = [7.0, 32.0, 12.0, 32.0, 7.0];

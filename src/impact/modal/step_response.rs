@@ -7,9 +7,9 @@ use crate::scheme::modal::{doubled, free_weights, phi, tripled, weights};
 
 /// Fractions of a step at which its table is evaluated. The force is unknown at 1/2 and 1, and is checked at 1/4 and
 /// 3/4.
-pub const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+pub const SAMPLE_POINTS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 
-/// Indices of 1/2 and 1 in [`LOOKS`].
+/// Indices of 1/2 and 1 in [`SAMPLE_POINTS`].
 pub const NODES: [usize; 2] = [1, 3];
 
 /// The impactor as a free rigid body.
@@ -131,14 +131,14 @@ pub(super) fn real_product(a: Complex<f64>, b: Complex<f64>) -> f64 {
     a.re * b.re - a.im * b.im
 }
 
-/// Response at one point of [`LOOKS`]: δ of the unforced motion minus the responses to the three force values.
-struct Look {
+/// Response at one point of [`SAMPLE_POINTS`]: δ of the unforced motion minus the responses to the three force values.
+struct SamplePoint {
     tau: f64,
     /// Displacement of the surface away from the impactor due to the loads, minus the displacement of the impactor due
     /// to its weight, m.
     load: f64,
     /// Decrease of δ for F of 1 N at 0, h/2 and h, m/N.
-    answers: [f64; 3],
+    responses: [f64; 3],
     /// Response of each coordinate; filled only if foundation forces act in addition to F.
     coordinates: Vec<Coordinate>,
 }
@@ -151,11 +151,11 @@ struct Coordinate {
 }
 
 /// Response of body and impactor over a step of size h.
-pub struct Answer {
+pub struct StepResponse {
     /// Step size h, s.
     pub step: f64,
-    looks: Vec<Look>,
-    /// Real and imaginary parts of c e^{λτh} at all points of [`LOOKS`], for each coordinate. Four sums at a time fit
+    samples: Vec<SamplePoint>,
+    /// Real and imaginary parts of c e^{λτh} at all points of [`SAMPLE_POINTS`], for each coordinate. Four sums at a time fit
     /// the vector registers of a processor.
     rows: Vec<[[f64; 4]; 2]>,
     /// For each coordinate: e^{λh}, and the weights of the force values, including the factor b h.
@@ -164,25 +164,25 @@ pub struct Answer {
     loads: Vec<Complex<f64>>,
 }
 
-impl Answer {
+impl StepResponse {
     /// Computes the tables of a step (s).
     pub fn new(modes: &Modes, impactor: &FreeBody, step: f64) -> Self {
         let count = modes.modes.len();
-        let mut looks: Vec<Look> = LOOKS
+        let mut samples: Vec<SamplePoint> = SAMPLE_POINTS
             .iter()
             .map(|&tau| {
                 let way = free_weights(tau).1.map(|w| w * step * step);
-                Look {
+                SamplePoint {
                     tau,
                     load: 0.5 * (modes.free.load - impactor.gravity) * (tau * step).powi(2),
-                    answers: way.map(|w| w * (modes.free.mobility + 1.0 / impactor.mass)),
+                    responses: way.map(|w| w * (modes.free.mobility + 1.0 / impactor.mass)),
                     coordinates: Vec::new(),
                 }
             })
             .collect();
-        let mut answer = Self {
+        let mut response = Self {
             step,
-            looks: Vec::new(),
+            samples: Vec::new(),
             rows: Vec::with_capacity(count),
             growth: Vec::with_capacity(count),
             inputs: Vec::with_capacity(count),
@@ -192,67 +192,67 @@ impl Answer {
             let y = mode.rate * step;
             let quarter = phi(y * 0.25);
             let half = doubled(quarter, y * 0.25);
-            let of_looks = [quarter, half, tripled(quarter, half, y * 0.25), doubled(half, y * 0.5)];
+            let of_samples = [quarter, half, tripled(quarter, half, y * 0.25), doubled(half, y * 0.5)];
             let of_force = mode.output * mode.input * step;
             let mut rows = [[0.0; 4]; 2];
-            for (k, (look, phi)) in looks.iter_mut().zip(of_looks).enumerate() {
-                let row = mode.output * (phi[0] * y * look.tau + 1.0);
+            for (k, (sample, phi)) in samples.iter_mut().zip(of_samples).enumerate() {
+                let row = mode.output * (phi[0] * y * sample.tau + 1.0);
                 (rows[0][k], rows[1][k]) = (row.re, row.im);
-                look.load += real_product(mode.output, mode.load * phi[0]) * look.tau * step;
-                let weights = weights(phi, look.tau);
-                for (answer, weight) in look.answers.iter_mut().zip(weights) {
-                    *answer += real_product(of_force, weight);
+                sample.load += real_product(mode.output, mode.load * phi[0]) * sample.tau * step;
+                let weights = weights(phi, sample.tau);
+                for (response, weight) in sample.responses.iter_mut().zip(weights) {
+                    *response += real_product(of_force, weight);
                 }
                 if modes.foundation.is_some() {
-                    look.coordinates.push(Coordinate {
-                        growth: phi[0] * y * look.tau + 1.0,
-                        load: mode.load * phi[0] * look.tau * step,
+                    sample.coordinates.push(Coordinate {
+                        growth: phi[0] * y * sample.tau + 1.0,
+                        load: mode.load * phi[0] * sample.tau * step,
                         weights: weights.map(|w| w * step),
                     });
                 }
             }
-            answer.rows.push(rows);
-            let [_, _, _, whole] = of_looks;
-            answer.growth.push(whole[0] * y + 1.0);
-            answer.inputs.push(weights(whole, 1.0).map(|w| mode.input * w * step));
-            answer.loads.push(mode.load * whole[0] * step);
+            response.rows.push(rows);
+            let [_, _, _, whole] = of_samples;
+            response.growth.push(whole[0] * y + 1.0);
+            response.inputs.push(weights(whole, 1.0).map(|w| mode.input * w * step));
+            response.loads.push(mode.load * whole[0] * step);
         }
-        answer.looks = looks;
-        answer
+        response.samples = samples;
+        response
     }
 
-    /// Approach δ at the points of [`LOOKS`] without contact force, m; `gap` in m.
+    /// Approach δ at the points of [`SAMPLE_POINTS`] without contact force, m; `gap` in m.
     pub fn free(&self, state: &State, gap: f64) -> [f64; 4] {
         let mut moved = [0.0; 4];
         for ([real, imaginary], z) in self.rows.iter().zip(&state.modes) {
             (0..4).for_each(|k| moved[k] += real[k] * z.re - imaginary[k] * z.im);
         }
         [0, 1, 2, 3].map(|k| {
-            let Look { tau, load, .. } = &self.looks[k];
+            let SamplePoint { tau, load, .. } = &self.samples[k];
             let t = tau * self.step;
             let impactor = state.impactor[0] + t * state.impactor[1];
             impactor - gap - (state.free[0] + t * state.free[1] + load + moved[k])
         })
     }
 
-    /// Decrease of δ at a point of [`LOOKS`] for F of 1 N at 0, h/2 and h, m/N.
-    pub fn answers(&self, look: usize) -> [f64; 3] {
-        self.looks[look].answers
+    /// Decrease of δ at a point of [`SAMPLE_POINTS`] for F of 1 N at 0, h/2 and h, m/N.
+    pub fn responses(&self, sample: usize) -> [f64; 3] {
+        self.samples[sample].responses
     }
 
-    /// Coordinates z at a point of [`LOOKS`] with no force except the loads.
-    pub fn left_alone(&self, look: usize, state: &State) -> Vec<Complex<f64>> {
-        let coordinates = self.looks[look].coordinates.iter().zip(&state.modes);
+    /// Coordinates z at a point of [`SAMPLE_POINTS`] with no force except the loads.
+    pub fn left_alone(&self, sample: usize, state: &State) -> Vec<Complex<f64>> {
+        let coordinates = self.samples[sample].coordinates.iter().zip(&state.modes);
         coordinates.map(|(Coordinate { growth, load, .. }, z)| growth * z + load).collect()
     }
 
-    /// Contribution of inputs at 0, h/2 and h to z at a point of [`LOOKS`].
-    pub fn driven(&self, look: usize, inputs: &[Vec<Complex<f64>>; 3]) -> Vec<Complex<f64>> {
+    /// Contribution of inputs at 0, h/2 and h to z at a point of [`SAMPLE_POINTS`].
+    pub fn driven(&self, sample: usize, inputs: &[Vec<Complex<f64>>; 3]) -> Vec<Complex<f64>> {
         let [a, b, c] = inputs;
         let of = |(i, Coordinate { weights, .. }): (usize, &Coordinate)| {
             weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i]
         };
-        self.looks[look].coordinates.iter().enumerate().map(of).collect()
+        self.samples[sample].coordinates.iter().enumerate().map(of).collect()
     }
 
     /// Advances the state to the end of the step under the three values of the contact force, N.

@@ -29,7 +29,7 @@ pub fn snapshots(basis: &Columns, projection: &Projection, frequency: f64) -> Co
 }
 
 /// Several bodies reduced to their common basis.
-pub struct Merged {
+pub struct CommonBasis {
     /// The two parameters for which the supports are known.
     ends: [f64; 2],
     /// The reduced bodies at these two parameters.
@@ -42,7 +42,7 @@ pub struct Merged {
     pub directions: Columns,
 }
 
-impl Merged {
+impl CommonBasis {
     /// Merges the vibrations `all` of several bodies. `ends` are two of the bodies with their parameters. Directions
     /// are kept down to a weight of `depth` relative to the largest. In the modes, viscoelastic parts have their moduli
     /// at a rate (1/s). Collective.

@@ -26,7 +26,7 @@ struct Run {
 }
 
 /// A square matrix in run format.
-pub struct Runs {
+pub struct RunLengthMatrix {
     /// For each row, the end of its runs.
     ends: Vec<u32>,
     runs: Vec<Run>,
@@ -34,7 +34,7 @@ pub struct Runs {
     values: Vec<[f64; LANES]>,
 }
 
-impl Runs {
+impl RunLengthMatrix {
     /// Converts a matrix whose rows have their columns in ascending order.
     pub fn new(matrix: &CsrMatrix<f64>) -> Self {
         let mut all = Self { ends: Vec::with_capacity(matrix.nrows()), runs: Vec::new(), values: Vec::new() };
@@ -134,7 +134,7 @@ fn add_run<S: Simd, const N: usize>(simd: S, run: &[[f64; LANES]], columns: [&[f
 
 /// Product with some columns, compiled for the SIMD instructions of each kind of processor.
 struct Multiplying<'a> {
-    matrix: &'a Runs,
+    matrix: &'a RunLengthMatrix,
     /// Columns with padding after each.
     columns: &'a [f64],
     product: &'a mut [f64],
@@ -175,7 +175,7 @@ mod tests {
             offsets.push(columns.len());
         }
         let matrix = CsrMatrix::try_from_csr_data(ROWS, ROWS, offsets, columns, values).expect("a matrix");
-        let runs = Runs::new(&matrix);
+        let runs = RunLengthMatrix::new(&matrix);
         for count in [0, 1, 2, 3, 7, 17] {
             let x: Vec<f64> = (0..count * ROWS).map(|number| (number % 13) as f64 - 6.25).collect();
             let found = runs.multiply(&x);

@@ -5,7 +5,7 @@ use mpi_test::{Test, tests};
 
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::{Session, Vector};
-use ricochet::body::{Body, Exchange, System};
+use ricochet::body::{Body, DiagonalSymmetry, System};
 use ricochet::scene::Scene;
 use ricochet::solve::linear::{Method, solver};
 use ricochet::space::plate::{self, Plate, PlateTheory};
@@ -92,7 +92,7 @@ fn half_of_a_square_plate_moves_as_the_whole(_: &Session) {
 }
 
 fn moves_as_the_whole(system: &System, moved: impl Fn(&System) -> Vec<f64>) {
-    let (exchange, half) = Exchange::of(system).expect("its own image");
+    let (exchange, half) = DiagonalSymmetry::of(system).expect("its own image");
     // Unknowns on the diagonal are their own images. Their number is about that along an edge, times the thickness of a
     // box.
     let (left, all) = (half.load.len(), system.load.len());
@@ -117,7 +117,7 @@ fn boxes_without_a_diagonal(_: &Session) {
             + &["y-min", "y-max"].map(|surface| springs(surface, of_y)).concat()
     };
     let is_halved = |rest: &str| {
-        Exchange::of(&solid(&scene("size = [0.5, 0.5, 0.1]\nsymmetry = \"quarter\"", rest)).system).is_some()
+        DiagonalSymmetry::of(&solid(&scene("size = [0.5, 0.5, 0.1]\nsymmetry = \"quarter\"", rest)).system).is_some()
     };
     assert!(is_halved(&both("1e9", "1e9")));
     assert!(is_halved(&both("[1e8, 2e8, 3e8]", "[2e8, 1e8, 3e8]")));

@@ -15,14 +15,14 @@ const ROUNDING: f64 = 1e-12;
 
 /// Symmetric motions of a body under the exchange of its axes.
 #[derive(Debug, Clone)]
-pub struct Exchange {
+pub struct DiagonalSymmetry {
     /// For each unknown of the body: number of the coordinate z that represents it and its partner, and its weight.
     places: Vec<(usize, f64)>,
     /// The two unknowns of each pair. An unknown can be its own partner.
     pairs: Vec<[usize; 2]>,
 }
 
-impl Exchange {
+impl DiagonalSymmetry {
     /// Creates the pairs from the partner of each unknown: its number after the exchange of the axes.
     fn new(partners: &[usize]) -> Self {
         let mut places = vec![(0, 1.0); partners.len()];
@@ -177,7 +177,7 @@ mod tests {
         let any = DMatrix::from_fn(5, 5, |i, j| normal((5 * i + j) as u64));
         let symmetric = &any + any.transpose();
         let exchanged = DMatrix::from_fn(5, 5, |i, j| symmetric[(partners[i], partners[j])]);
-        let (exchange, kept) = (Exchange::new(&partners), symmetric.clone() + exchanged);
+        let (exchange, kept) = (DiagonalSymmetry::new(&partners), symmetric.clone() + exchanged);
         let own = exchange.matrix(&sparse(&kept)).expect("a matrix that the exchange keeps");
         let own = DMatrix::from(&own);
         let motion = DVector::from_vec(vec![0.3, -1.1, 0.7]);

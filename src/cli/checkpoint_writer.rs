@@ -21,7 +21,7 @@ use super::summary::Summary;
 use super::tell;
 
 /// Times at which checkpoints are due, and the data for writing them.
-pub struct Keeping {
+pub struct CheckpointWriter {
     comm: Comm,
     result: PathBuf,
     scene: String,
@@ -35,7 +35,7 @@ pub struct Keeping {
     is_due: bool,
 }
 
-impl Keeping {
+impl CheckpointWriter {
     /// Prepares checkpoints of a simulation of `scene`, whose text is `text`. They are written next to its `result`.
     pub fn new(comm: &Comm, (scene, text): (&Scene, &str), result: &Path, impact: &Simulation) -> Self {
         Self {

@@ -58,14 +58,14 @@ const COMPRESSION_SHARE: f64 = 0.1;
 const ERROR_PER_LAMBDA: f64 = 1.13;
 
 /// Selects the theory and makes its model. Collective.
-pub(super) fn climb(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Model> {
+pub(super) fn select_theory(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Model> {
     let mut passed: Vec<String> = Vec::new();
     if let Some((model, reason)) = formula(comm, scene, watch)? {
         return Ok(Model { reason: Some(reason), ..model });
     }
     let is_layered = scene.body.composition.uniform().is_none();
     let least = if is_layered { Theory::Layerwise } else { Theory::Kirchhoff };
-    let plates = slender(scene).and_then(|()| admits(scene, least)).and_then(|()| unpressed(scene));
+    let plates = slender(scene).and_then(|()| admits(scene, least)).and_then(|()| check_uncompressed(scene));
     match plates {
         Err(reason) => passed.push(format!("no plate theory stands for it: {reason}")),
         Ok(()) if !scene.time.modal && scene.solver.newton == Newton::Full => {
@@ -160,7 +160,7 @@ fn slender(scene: &Scene) -> std::result::Result<(), String> {
 /// the compression p h/E over the support's displacement p/k, at most k h/E. For layers the sum of their compliances
 /// replaces h/E. Both plate theories neglect this, so their difference does not show it. For a damper k is c π/T, with
 /// T the contact time on a half-space.
-fn pressing(scene: &Scene, support: &Support) -> f64 {
+fn thickness_compression(scene: &Scene, support: &Support) -> f64 {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return 0.0 };
     if faces(&support.surface).iter().all(|(across, _)| *across != axis) {
         return 0.0;
@@ -186,8 +186,8 @@ fn confined((thickness, material): (f64, Material)) -> f64 {
 }
 
 /// Whether no support compresses the thickness by more than its share of the tolerance.
-fn unpressed(scene: &Scene) -> std::result::Result<(), String> {
-    let presses = |support: &Support| pressing(scene, support) > COMPRESSION_SHARE * scene.tolerance;
+fn check_uncompressed(scene: &Scene) -> std::result::Result<(), String> {
+    let presses = |support: &Support| thickness_compression(scene, support) > COMPRESSION_SHARE * scene.tolerance;
     match scene.supports.iter().position(presses) {
         Some(number) => Err(format!(
             "support.{number} is on the face that is hit, or on the one opposite, and presses the thickness together"
@@ -213,7 +213,8 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     let on_rough = |theory| reduce(comm, operators(&rough, theory)?.body.linear(), &rough, watch);
     // With a given scheme and no basis, the solid is a mesh in any case.
     let no_splines = if scene.is_reduced() { spline::admits(scene).err() } else { None };
-    let most = if no_splines.is_some() { THEORY_SHARE.max(LARGEST_ERROR_INSTEAD_OF_MESH / tolerance) } else { THEORY_SHARE };
+    let most =
+        if no_splines.is_some() { THEORY_SHARE.max(LARGEST_ERROR_INSTEAD_OF_MESH / tolerance) } else { THEORY_SHARE };
     let mut thin = None;
     // If rough plates clearly rule out the theory, no fine plate is computed.
     if part * LEAST_DIFFERENCE > most * tolerance {
@@ -247,7 +248,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         });
         compared.errors
     };
-    let of_theory = of_theory.joined(pressed(scene));
+    let of_theory = of_theory.joined(compression_error(scene));
     let model = match scene.time.modal {
         true => {
             let fitted = refine(comm, &modal, Theory::Mindlin, thick, of_theory, watch)?;
@@ -307,6 +308,6 @@ pub(super) fn rougher(scene: &Scene) -> Scene {
 }
 
 /// Estimated error of neglecting the compression of the thickness by supports.
-pub(super) fn pressed(scene: &Scene) -> Errors {
-    Errors::throughout(scene.supports.iter().map(|support| pressing(scene, support)).sum())
+pub(super) fn compression_error(scene: &Scene) -> Errors {
+    Errors::throughout(scene.supports.iter().map(|support| thickness_compression(scene, support)).sum())
 }

@@ -23,8 +23,12 @@ pub(super) fn check_extent(comm: &Comm, coordinates: &[Vec3]) -> Result<()> {
         return Ok(());
     }
     let message = format!("the mesh has a coordinate of {most:e} m");
-    Err(Fault::new("body.mesh", message, format!("coordinates in m, of at most {LARGEST_COORDINATE:e}: mend or remake the mesh"))
-        .into())
+    Err(Fault::new(
+        "body.mesh",
+        message,
+        format!("coordinates in m, of at most {LARGEST_COORDINATE:e}: mend or remake the mesh"),
+    )
+    .into())
 }
 
 /// Rejects cells that are inverted at a vertex, e.g. because two of their nodes are exchanged: the faces of such a cell
