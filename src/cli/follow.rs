@@ -36,7 +36,7 @@ impl Follower {
         Self { comm: comm.clone(), interrupt, display, deadline: None, begin: Instant::now(), last: Cell::new(None) }
     }
 
-    /// Follows until a signal arrives or the clock of rank 0 passes the deadline.
+    /// Follows until a signal arrives or, by the clock of rank 0, a stage would pass the deadline.
     pub fn until(self, deadline: Instant) -> Self {
         Self { deadline: Some(deadline), ..self }
     }
@@ -61,7 +61,9 @@ impl Watch for Follower {
             display.show(stage);
         }
         self.last.set(Some(stage).filter(|stage| matches!(stage, Stage::Basis { .. })).or(self.last.get()));
-        let is_late = self.comm.is_root() && self.deadline.is_some_and(|deadline| Instant::now() > deadline);
+        let seconds = if let Stage::Assembly { seconds, .. } = stage { seconds } else { 0.0 };
+        let end = Instant::now() + Duration::from_secs_f64(seconds);
+        let is_late = self.comm.is_root() && self.deadline.is_some_and(|deadline| end > deadline);
         let (signalled, [late]) = self.interrupt.poll(&self.comm, [is_late]);
         if signalled || late { Err(Error::Interrupted) } else { Ok(()) }
     }
@@ -159,7 +161,7 @@ impl Shown {
 
 fn described(stage: &Stage) -> String {
     match stage {
-        Stage::Assembly(theory) => format!("{}: making its mesh and matrices", model::name(*theory)),
+        Stage::Assembly { theory, .. } => format!("{}: making its mesh and matrices", model::name(*theory)),
         Stage::Factor => "factorising the stiffness for a basis".to_owned(),
         Stage::Basis { vectors, judged: None } => format!("reducing the body to a basis: {vectors} vectors so far"),
         Stage::Basis { vectors, judged: Some(Judged { vectors: of, error, wanted }) } => format!(

@@ -10,7 +10,12 @@ use crate::scene::Model as Theory;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stage {
     /// The mesh and matrices of a theory's body are made.
-    Assembly(Theory),
+    Assembly {
+        /// The theory.
+        theory: Theory,
+        /// Estimated time until the construction can be stopped again, s; 0 if it is short or unknown.
+        seconds: f64,
+    },
     /// The matrix S = K + sC + s²M of the shift s is factorised for a basis.
     Factor,
     /// A basis is enlarged.

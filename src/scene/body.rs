@@ -42,6 +42,14 @@ impl Body {
         Some(self.composition.density()? * size.iter().product::<f64>())
     }
 
+    /// Number of unknowns of the modelled part of a box on its grid of finite elements; `None` for a mesh file.
+    pub fn grid_unknowns(&self) -> Option<f64> {
+        let Geometry::Box { planes, .. } = &self.geometry else { return None };
+        let nodes = |axis: usize| ((planes[axis].len() - 1) * self.order + 1) as f64;
+        let part = if matches!(self.symmetry, Symmetry::Quarter { .. }) { 0.25 } else { 1.0 };
+        Some(part * 3.0 * (0..3).map(nodes).product::<f64>())
+    }
+
     /// Thickness that an impact along ±z meets first, m: the thickness of the impacted layer if the layers differ, else
     /// `thickness`, the thickness of the whole body. Never more than `thickness`.
     pub fn struck_thickness(&self, thickness: f64) -> f64 {

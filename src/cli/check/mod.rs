@@ -154,11 +154,9 @@ fn too_large(scene: &Scene, bytes: Option<u64>) -> Option<String> {
             let large = bytes.filter(|bytes| *bytes > LARGEST_FILE);
             large.map(|bytes| format!("a mesh file of {:.0} MB", 1e-6 * bytes as f64))
         }
-        Geometry::Box { planes, is_given: true, .. } => {
-            let nodes = |axis: usize| ((planes[axis].len() - 1) * scene.body.order + 1) as f64;
-            let part = if matches!(scene.body.symmetry, crate::scene::Symmetry::Quarter { .. }) { 0.25 } else { 1.0 };
-            let unknowns = part * 3.0 * (0..3).map(nodes).product::<f64>();
-            (unknowns > MOST_UNKNOWNS).then(|| format!("about {unknowns:.1e} unknowns"))
+        Geometry::Box { is_given: true, .. } => {
+            let unknowns = scene.body.grid_unknowns().filter(|unknowns| *unknowns > MOST_UNKNOWNS);
+            unknowns.map(|unknowns| format!("about {unknowns:.1e} unknowns"))
         }
         Geometry::Box { .. } => None,
     }

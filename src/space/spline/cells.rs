@@ -26,6 +26,49 @@ const ONE_ACROSS: f64 = 1.5;
 /// Largest number of unknowns; each has about a thousand entries in the matrix.
 const MAX_UNKNOWNS: f64 = 4e4;
 
+/// Cells along the two sides of the impact point on each axis, chosen for a scene.
+struct Sides([[Side; 2]; 3]);
+
+impl Sides {
+    fn new(geometry: &BoxGeometry, scene: &Scene, patch: &PatchModel, cell_size_factor: f64) -> Self {
+        let largest = CELL_OVER_WAVELENGTH * shortest_wave(geometry, scene);
+        Self(std::array::from_fn(|axis| {
+            let [low, high] = geometry.ends(axis);
+            let hit = geometry.hit[axis];
+            let growth = cell_size_factor * CELL_GROWTH[usize::from(axis == geometry.struck)];
+            let lengths = [hit - low, high - hit];
+            // At least one cell on the longer side, or two if the factor is below `ONE_ACROSS` across the thickness.
+            let longest = lengths[0].max(lengths[1]);
+            let is_halved = axis == geometry.struck && cell_size_factor < ONE_ACROSS;
+            let at_hit =
+                (cell_size_factor * CELL_OVER_DISC * patch.disc).min(if is_halved { 0.5 * longest } else { longest });
+            let sizes = Sizes { hit: at_hit, largest: cell_size_factor * largest, growth };
+            lengths.map(|length| Side { length, sizes })
+        }))
+    }
+
+    /// Estimated number of unknowns.
+    fn unknowns(&self, geometry: &BoxGeometry, patch: &PatchModel) -> f64 {
+        let functions = |axis: usize| {
+            // Each layer adds a cell, and functions that end at its interfaces.
+            let of_layers = if axis == 2 { (DEGREE * geometry.interfaces.len().saturating_sub(2)) as f64 } else { 0.0 };
+            let all = self.0[axis].iter().map(Side::cells).sum::<f64>() + DEGREE as f64 + of_layers;
+            if folds(axis, geometry, patch) { 0.5 * all } else { all }
+        };
+        3.0 * (0..3).map(functions).product::<f64>()
+    }
+}
+
+/// Whether only one half of the thickness carries unknowns along an axis, since the body only bends.
+fn folds(axis: usize, geometry: &BoxGeometry, patch: &PatchModel) -> bool {
+    patch.bends && axis == geometry.struck
+}
+
+/// Estimated number of unknowns of a box with the cells of [`lines`].
+pub(super) fn unknowns(geometry: &BoxGeometry, scene: &Scene, patch: &PatchModel, cell_size_factor: f64) -> f64 {
+    Sides::new(geometry, scene, patch, cell_size_factor).unknowns(geometry, patch)
+}
+
 /// Lines normal to each axis of the modelled part. If splines would be smooth across the impact point, its line is
 /// repeated: with one continuous derivative less, they resolve it as well as the splines of a quarter, which end there.
 ///
@@ -37,34 +80,15 @@ pub(super) fn lines(
     patch: &PatchModel,
     cell_size_factor: f64,
 ) -> Result<[Vec<f64>; 3], String> {
-    let largest = CELL_OVER_WAVELENGTH * shortest_wave(geometry, scene);
-    let sides: [[Side; 2]; 3] = std::array::from_fn(|axis| {
-        let [low, high] = geometry.ends(axis);
-        let hit = geometry.hit[axis];
-        let growth = cell_size_factor * CELL_GROWTH[usize::from(axis == geometry.struck)];
-        let lengths = [hit - low, high - hit];
-        // At least one cell on the longer side, or two if the factor is below `ONE_ACROSS` across the thickness.
-        let longest = lengths[0].max(lengths[1]);
-        let is_halved = axis == geometry.struck && cell_size_factor < ONE_ACROSS;
-        let at_hit =
-            (cell_size_factor * CELL_OVER_DISC * patch.disc).min(if is_halved { 0.5 * longest } else { longest });
-        let sizes = Sizes { hit: at_hit, largest: cell_size_factor * largest, growth };
-        lengths.map(|length| Side { length, sizes })
-    });
-    let folds = |axis: usize| patch.bends && axis == geometry.struck;
-    let functions = |axis: usize| {
-        // Each layer adds a cell, and functions that end at its interfaces.
-        let of_layers = if axis == 2 { (DEGREE * geometry.interfaces.len().saturating_sub(2)) as f64 } else { 0.0 };
-        let all = sides[axis].iter().map(Side::cells).sum::<f64>() + DEGREE as f64 + of_layers;
-        if folds(axis) { 0.5 * all } else { all }
-    };
-    let unknowns = 3.0 * (0..3).map(functions).product::<f64>();
+    let all = Sides::new(geometry, scene, patch, cell_size_factor);
+    let unknowns = all.unknowns(geometry, patch);
     if !(1.0..=MAX_UNKNOWNS).contains(&unknowns) {
         return Err(format!("it would take {unknowns:.0} unknowns"));
     }
+    let Sides(sides) = all;
     let lines: [Vec<f64>; 3] = std::array::from_fn(|axis| {
         let hit = geometry.hit[axis];
-        if folds(axis) {
+        if folds(axis, geometry, patch) {
             // The same number of cells, equal in size.
             let (cells, [low, high]) = (folded(&sides[axis]), geometry.ends(axis));
             return (0..=cells).map(|i| low + (high - low) * i as f64 / cells as f64).collect();

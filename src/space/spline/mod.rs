@@ -74,6 +74,13 @@ pub fn admits(scene: &Scene) -> std::result::Result<(), String> {
     }
 }
 
+/// Estimated number of unknowns of [`SplineSolid::new`] for a scene; `None` if it would refuse the scene.
+pub fn unknowns(scene: &Scene, settings: &Settings) -> Option<f64> {
+    let geometry = BoxGeometry::new(scene).ok()?;
+    let patch = PatchModel::new(&geometry, scene).ok()?;
+    Some(cells::unknowns(&geometry, scene, &patch, settings.cell_size_factor))
+}
+
 impl SplineSolid {
     /// Builds the spline model of a scene's box.
     ///
