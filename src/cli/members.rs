@@ -4,13 +4,13 @@
 use std::collections::BTreeMap;
 
 use crate::impact::Plan;
-use crate::model::LARGE;
+use crate::model::{are_edges_held, largest_linear};
 use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Scene, Source};
 use crate::study::sweep::Grid;
 
 use super::notes::{self, Remark, USELESS, above};
-use super::summary::beyond;
+use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
 /// Remarks on members, sorted by kind.
@@ -18,6 +18,21 @@ use super::{note, tell};
 pub struct Remarks {
     warnings: Kinds,
     notes: Kinds,
+}
+
+/// Facts about the scene of a member that decide on remarks about its results.
+pub struct MemberFacts {
+    tolerance: f64,
+    /// End of the run, s.
+    end: f64,
+    are_edges_held: bool,
+}
+
+impl MemberFacts {
+    /// Facts about a scene.
+    pub fn new(scene: &Scene) -> Self {
+        Self { tolerance: scene.tolerance, end: scene.time.end, are_edges_held: are_edges_held(scene) }
+    }
 }
 
 /// For each kind: the worst remark, its member, and the number of members with such a remark.
@@ -56,11 +71,11 @@ impl Remarks {
         notes::notes(scene, None, plan.as_ref()).into_iter().for_each(|remark| self.notes.add(member, remark));
     }
 
-    /// Remarks that a run would print about its results, for all members that are done. `tolerances` has the tolerance
-    /// of each member.
-    pub fn of_results(writer: &SweepWriter, tolerances: &[f64]) -> Self {
+    /// Remarks that a run would print about its results, for all members that are done. `facts` has an entry for each
+    /// member.
+    pub fn of_results(writer: &SweepWriter, facts: &[MemberFacts]) -> Self {
         let mut all = Self::default();
-        for (member, tolerance) in tolerances.iter().enumerate() {
+        for (member, MemberFacts { tolerance, end, are_edges_held }) in facts.iter().enumerate() {
             if writer.status()[member] != Status::Done {
                 continue;
             }
@@ -87,9 +102,13 @@ impl Remarks {
                 );
                 all.notes.add(member, remark("whole history", whole, text));
             }
-            if deflection > LARGE {
-                let text = format!("the body bends by about {}", beyond(deflection, false));
+            if deflection > largest_linear(*are_edges_held) {
+                let text = format!("the body bends by about {}", beyond(deflection, *are_edges_held));
                 all.warnings.add(member, remark("deflection", deflection, text));
+            }
+            // Times of steps differ from the end by rounding.
+            if of(Quantity::OpenAtEnd) == 1.0 && of(Quantity::PeakTime) >= end * (1.0 - 1e-9) {
+                all.warnings.add(member, remark("end", of(Quantity::PeakForce), ends_at_peak(*end)));
             }
         }
         all

@@ -128,10 +128,7 @@ impl Summary {
     /// Warning that the force may rise further after the end of the run, if the last force is the largest.
     pub fn warning_of_end(&self) -> Option<String> {
         let Step { time, contact, .. } = &self.last;
-        (contact.force > 0.0 && self.peak.1 == *time).then(|| {
-            let time = short(1e3 * time);
-            format!("the force is the largest at the end of the run, {time} ms, and may rise further: a later time.end shows it")
-        })
+        (contact.force > 0.0 && self.peak.1 == *time).then(|| ends_at_peak(*time))
     }
 
     /// Warning that the deflection is too large for the model, if it is.
@@ -140,6 +137,14 @@ impl Summary {
         let held = self.linearity?.are_edges_held();
         Some(format!("the body bends by about {} mm, {}", short(1e3 * self.largest_deflection), beyond(ratio, held)))
     }
+}
+
+/// Warning for a run whose force is the largest at its end (s).
+pub fn ends_at_peak(end: f64) -> String {
+    let time = short(1e3 * end);
+    format!(
+        "the force is the largest at the end of the run, {time} ms, and may rise further: a later time.end shows it"
+    )
 }
 
 /// Consequences of a deflection (`ratio` in plate thicknesses), for a plate whose edges are constrained in its plane,

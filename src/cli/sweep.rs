@@ -18,7 +18,7 @@ use crate::study::sweep::{Bodies, Grid, Grouping, Property, Task, Variation, dig
 use super::follow::Follower;
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
-use super::members::{Remarks, tell_of_idle_keys};
+use super::members::{MemberFacts, Remarks, tell_of_idle_keys};
 use super::progress::Items;
 use super::{Sweep, note, say, short, tell, warn_of_unused_options};
 
@@ -40,14 +40,14 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     })?;
     grid.set_contents(TABLE, tables);
     let grid = grid;
-    let (mut grouping, mut remarks, mut tolerances) = (Grouping::default(), Remarks::default(), Vec::new());
+    let (mut grouping, mut remarks, mut facts) = (Grouping::default(), Remarks::default(), Vec::new());
     for index in 0..grid.len() {
         let on_line = grid.line().and_then(|key| Some((property_of(key)?, grid.number(index, key)?)));
         let member = task(arguments, &source, &grid, index)?;
         grouping.count(index, &member.scene, on_line);
         if comm.is_root() {
             remarks.of_scene(index, &member.scene, &member.source);
-            tolerances.push(member.scene.tolerance);
+            facts.push(MemberFacts::new(&member.scene));
         }
     }
     let header = header(comm, arguments, &grid, (&scene, &source))?;
@@ -106,7 +106,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         recorder.progress.finish();
         recorder.writer.finish()?;
         recorder.print(&grid, begin.elapsed().as_secs_f64());
-        Remarks::of_results(&recorder.writer, &tolerances).tell(&grid);
+        Remarks::of_results(&recorder.writer, &facts).tell(&grid);
         tell_of_idle_keys(&grid, &recorder.writer);
         if flow.is_break() {
             let missing = recorder.missing().len();

@@ -12,7 +12,7 @@ use crate::impact::step::Step;
 use crate::scene::{Geometry, Load, Model, Scene, Support, SupportKind, Vec3, faces};
 
 /// Deflection over the thickness above which the membrane forces are no longer small.
-pub const LARGE: f64 = 0.5;
+const LARGE: f64 = 0.5;
 
 /// The same if opposite edges are constrained in the plane. With the largest c this is 12% of the stiffness.
 const LARGE_FOR_HELD_EDGES: f64 = 0.25;
@@ -83,8 +83,7 @@ impl Linearity {
 
     /// A deflection (m) over the thickness, if that ratio is large.
     pub fn excess(&self, deflection: f64) -> Option<f64> {
-        let large = if self.are_edges_held { LARGE_FOR_HELD_EDGES } else { LARGE };
-        Some(self.over_thickness(deflection)).filter(|ratio| *ratio > large)
+        Some(self.over_thickness(deflection)).filter(|ratio| *ratio > largest_linear(self.are_edges_held))
     }
 
     /// Whether clamps constrain two opposite edges of the plate in its plane, perpendicular to the edges.
@@ -103,9 +102,14 @@ fn holds_along(support: &Support, direction: Vec3) -> bool {
     held.iter().zip(direction).any(|(held, along)| *held && along != 0.0)
 }
 
+/// Largest deflection over the thickness for which a geometrically linear model serves.
+pub fn largest_linear(are_edges_held: bool) -> f64 {
+    if are_edges_held { LARGE_FOR_HELD_EDGES } else { LARGE }
+}
+
 /// Whether clamps constrain two opposite edges of a plate over their whole length, in its plane and perpendicular to
 /// the edges.
-fn are_edges_held(scene: &Scene) -> bool {
+pub fn are_edges_held(scene: &Scene) -> bool {
     let Some(struck) = scene.struck_axis() else { return false };
     let is_held = |face: (usize, bool)| {
         scene.supports.iter().any(|support| {

@@ -14,7 +14,7 @@ mod theory;
 mod trials;
 pub mod watch;
 
-pub use linearity::{LARGE, Linearity, STIFFENING};
+pub use linearity::{Linearity, STIFFENING, are_edges_held, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
 pub use reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER, Reduced, rate, reduce, reduce_from};

@@ -96,9 +96,21 @@ fn a_sweep_repeats_the_warnings_of_its_members() {
         &line.replace("s.h5", "rough.h5 --set body.reduction=4 --set body.model=mindlin --set accuracy.tolerance=1e-4"),
     );
     assert!(rough.stderr.contains("the estimated error in the first contact is "), "{rough:#?}");
+    // The soft impactor is still being decelerated at this end.
+    let short = good(&folder, 0, &line.replace("s.h5", "short.h5 --set time.end=1e-4"));
+    let end = "warning: 6 of 6 members, most of all member 2: impactor.speed=8, output.every=1: the force is the largest at the end";
+    assert!(short.stderr.contains(end), "{short:#?}");
+    // Edges that cannot move in the plane are known.
+    let clamped = line.replace("s.h5", "clamped.h5 --set support.0.kind=clamped --set support.0.stiffness=");
+    let clamped = good(&folder, 0, &clamped);
+    assert!(clamped.stderr.contains("since its edges cannot move in the plane"), "{clamped:#?}");
     // A wrong unit in the scene concerns all members.
     let odd = good(&folder, 0, "sweep scene.toml --vary impactor.speed=0.1,0.2 -o odd.h5 --set impactor.young=210");
-    assert_eq!(odd.stderr.matches("warning: 2 of 2 members, most of all ").count(), 1, "{odd:#?}");
+    let unit = odd
+        .stderr
+        .lines()
+        .filter(|line| line.contains("warning: 2 of 2 members") && line.contains("softer than rubber"));
+    assert_eq!(unit.count(), 1, "{odd:#?}");
 }
 
 fn quiet_runs_say_nothing_but_warnings() {

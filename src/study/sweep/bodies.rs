@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
-use crate::model::{BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, LARGE, Linearity, Model};
+use crate::model::{BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, Linearity, Model, are_edges_held, largest_linear};
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;
@@ -336,12 +336,13 @@ impl Kept {
         });
         // Only the energies tell which part of the deflection is due to the compliance of the supports.
         let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
-        if self.is_interpolated && yields && deflection > LARGE {
+        let is_doubtful = yields && deflection > largest_linear(are_edges_held(scene));
+        if self.is_interpolated && is_doubtful {
             return Err(Error::Solve(
                 "the compliance of the supports needs energies, which interpolated bodies do not have".into(),
             ));
         }
-        if !has_energies && yields && deflection > LARGE {
+        if !has_energies && is_doubtful {
             return self.simulate(scene, true, interrupted);
         }
         let mut of_basis = Errors::default();
