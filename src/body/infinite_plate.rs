@@ -224,7 +224,7 @@ mod tests {
             support_load: none,
             support_offset: 0.0,
             compliance: 0.0,
-            copies: 1.0,
+            multiplicity: 1.0,
             patch: None,
             foundation: None,
             infinite_plate: Some(infinite_plate),

@@ -56,7 +56,7 @@ pub struct Properties {
     /// Same as [`System::local_stress_per_newton`](super::System::local_stress_per_newton).
     pub local_stress_per_newton: [f64; 3],
     /// Number of such bodies that form the whole.
-    pub copies: f64,
+    pub multiplicity: f64,
 }
 
 /// A linear body. All ranks that share it must call each method together.

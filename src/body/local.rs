@@ -107,7 +107,7 @@ impl LinearBody for LocalBody {
             is_free: system.support.is_none() && !is_held,
             hit_stress: system.hit_stress.clone(),
             local_stress_per_newton: system.local_stress_per_newton,
-            copies: system.copies,
+            multiplicity: system.multiplicity,
         })
     }
 

@@ -23,7 +23,7 @@ pub struct ModalBody {
     /// Local compliance c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
     /// Number of such parts that form the whole.
-    pub copies: f64,
+    pub multiplicity: f64,
     /// Patch that carries the contact pressure, if there is one.
     pub patch: Option<Patch>,
 }
@@ -45,15 +45,15 @@ impl ModalBody {
     /// Creates a body from given modes, all of which are used.
     pub fn given(modes: Modes) -> Self {
         let source = Source::Given(Rc::new(modes));
-        Self { source, relaxing: None, known: RefCell::default(), compliance: 0.0, copies: 1.0, patch: None }
+        Self { source, relaxing: None, known: RefCell::default(), compliance: 0.0, multiplicity: 1.0, patch: None }
     }
 
     /// Creates a body from its projection onto a basis.
     pub fn of(projection: &Projection) -> Self {
-        let Projection { compliance, copies, patch, .. } = *projection;
+        let Projection { compliance, multiplicity, patch, .. } = *projection;
         let source = Source::Spectrum(Box::new(Spectrum::new(projection)));
         let relaxing = (!projection.relaxations.is_empty()).then(|| Box::new(projection.clone()));
-        Self { source, relaxing, known: RefCell::default(), compliance, copies, patch }
+        Self { source, relaxing, known: RefCell::default(), compliance, multiplicity, patch }
     }
 
     /// Returns the body with other Prony series for its viscoelastic parts, in the same order, on the same basis.

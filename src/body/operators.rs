@@ -65,7 +65,7 @@ pub struct Body {
     /// stores completely.
     pub nodes: Option<Vec<[f64; 3]>>,
     /// Number of such bodies that form the whole: 1, or 4 for a quarter of a symmetric box.
-    pub copies: f64,
+    pub multiplicity: f64,
     /// Uncoupled symmetry classes of motions as separate bodies, each a consecutive block of the unknowns. Empty if
     /// there is only one class.
     pub classes: Vec<Body>,

@@ -97,7 +97,7 @@ impl Projected {
             support_load: basis.along(&properties.support_load),
             support_offset: properties.support_offset,
             compliance: properties.compliance,
-            copies: properties.copies,
+            multiplicity: properties.multiplicity,
             patch: properties.patch,
             foundation: body.foundation(basis)?,
             infinite_plate: None,

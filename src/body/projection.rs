@@ -39,7 +39,7 @@ pub struct Projection {
     /// Local compliance c_l of the contact law, m/N, of the modelled part.
     pub compliance: f64,
     /// Number of such parts that form the whole.
-    pub copies: f64,
+    pub multiplicity: f64,
     /// Patch that carries the contact pressure, if there is one.
     pub patch: Option<Patch>,
     /// Unilateral foundations, whose springs are included in `support`.
@@ -73,7 +73,7 @@ impl Projection {
             infinite_plate: None,
             exchange: None,
             factorised: Vec::new(),
-            copies: self.copies,
+            multiplicity: self.multiplicity,
             classes: 1,
         }
     }
@@ -157,7 +157,7 @@ impl Projection {
             support_load: head(&self.support_load),
             support_offset: self.support_offset,
             compliance: self.compliance,
-            copies: self.copies,
+            multiplicity: self.multiplicity,
             patch: self.patch,
             foundation: self.foundation.as_ref().map(|points| points.leading(count)),
             infinite_plate: self.infinite_plate.clone(),

@@ -51,7 +51,7 @@ pub struct Response {
     /// Stress forms on y on the face opposite the impact point, and the local stresses that they lack for 1 N.
     hit_stress: (DMatrix<f64>, [f64; 3]),
     compliance: f64,
-    copies: f64,
+    multiplicity: f64,
     patch: Option<Patch>,
 }
 
@@ -92,7 +92,7 @@ impl Response {
             },
             hit_stress: (projection.hit_stress.clone(), projection.local_stress_per_newton),
             compliance: projection.compliance,
-            copies: projection.copies,
+            multiplicity: projection.multiplicity,
             patch: projection.patch,
         }
     }
@@ -296,7 +296,7 @@ impl Interpolant {
         let forms = Forms { damped: Some([places, DMatrix::zeros(0, count)]), ..Forms::none() };
         let modes = Modes { modes, free, residual, rest: 0.0, forms, shapes, hit_stress, foundation: None };
         let mut body = ModalBody::given(modes);
-        (body.compliance, body.copies, body.patch) = (compliance, all[0].copies, all[0].patch);
+        (body.compliance, body.multiplicity, body.patch) = (compliance, all[0].multiplicity, all[0].patch);
         body
     }
 }
@@ -343,7 +343,7 @@ mod tests {
                 others,
                 hit_stress: (DMatrix::zeros(0, 3), [0.0; 3]),
                 compliance: 1.0,
-                copies: 4.0,
+                multiplicity: 4.0,
                 patch: None,
             }
         };
@@ -359,7 +359,7 @@ mod tests {
         let [first, rest @ ..] = &modes.modes[..] else { panic!("modes") };
         // Cubic functions are exact, to rounding.
         assert!((first.rate - rate(1.5)).norm() < 1e-13 && (first.output - output(1.5)).norm() < 1e-13);
-        assert!((modes.residual - 1.5).abs() < 1e-14 && sum.copies == 4.0);
+        assert!((modes.residual - 1.5).abs() < 1e-14 && sum.multiplicity == 4.0);
         let inputs: Vec<f64> = rest.iter().map(|mode| mode.input.re).collect();
         assert_eq!(inputs, weights);
         // With a single nonzero weight, the result is that body.

@@ -63,7 +63,7 @@ pub struct System {
     /// all entries.
     pub factorised: Vec<(Operator, Rc<SumFactorised>)>,
     /// Number of such bodies that form the whole.
-    pub copies: f64,
+    pub multiplicity: f64,
     /// Number of uncoupled symmetry classes. They are consecutive blocks of equally many unknowns, on the diagonals of
     /// all matrices.
     pub classes: usize,
@@ -129,7 +129,7 @@ impl Body {
             infinite_plate: system.infinite_plate.clone(),
             deviates: vector(&deviates)?,
             nodes: None,
-            copies: system.copies,
+            multiplicity: system.multiplicity,
             classes: match system.classes {
                 0 | 1 => Vec::new(),
                 classes => (0..classes).map(|class| Self::of(alone, &system.class(class))).collect::<Result<_>>()?,

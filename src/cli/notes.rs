@@ -42,7 +42,7 @@ pub fn of_values(scene: &Scene, source: &Source) -> Vec<Remark> {
 /// Description of the theory, its unknowns and its basis, with the estimated error of the quantity to which the
 /// tolerance applies.
 pub fn describe_model(model: &Model, measure: Measure) -> String {
-    let mut words = format!("{}: {}", model::name(model.theory), model.words);
+    let mut words = format!("{}: {}", model::name(model.theory), model.discretisation);
     if model.unknowns > 0 {
         words += &format!(", {} unknowns", model.unknowns);
     }

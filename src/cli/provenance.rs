@@ -50,7 +50,7 @@ pub fn provenance(
 pub fn model_details(model: &Model) -> ModelDetails {
     let estimate = model.error_before_steps();
     ModelDetails {
-        discretisation: model.words.clone(),
+        discretisation: model.discretisation.clone(),
         reason: model.reason.clone().unwrap_or_default(),
         error_causes: listed(&estimate.causes()),
         first_contact_error: estimate.total().map_or(f64::NAN, |errors| errors.first_contact),

@@ -76,8 +76,8 @@ impl ForceLaw {
     }
 
     /// The law of one of n equal parts of a body, which carries 1/n of the force.
-    pub fn part(&self, copies: f64) -> Self {
-        self.scaled(1.0 / copies)
+    pub fn part(&self, multiplicity: f64) -> Self {
+        self.scaled(1.0 / multiplicity)
     }
 
     /// The law with its forces multiplied by a factor.

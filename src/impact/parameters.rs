@@ -22,25 +22,25 @@ pub struct ImpactParameters {
     /// Contact law Φ(δ) of the modelled part.
     pub law: Law,
     /// Number n of equal parts of the whole body.
-    pub copies: f64,
+    pub multiplicity: f64,
 }
 
 impl ImpactParameters {
     /// Returns the parameters of an impactor on a body.
     pub fn new(impactor: &scene::Impactor, body: &Body) -> Self {
-        Self::of(impactor, body.copies, body.localization.compliance)
+        Self::of(impactor, body.multiplicity, body.localization.compliance)
     }
 
-    /// Returns the parameters of an impactor on one of `copies` parts of a body; `compliance` is c_l of the contact
+    /// Returns the parameters of an impactor on one of `multiplicity` parts of a body; `compliance` is c_l of the contact
     /// law, m/N.
-    pub fn of(impactor: &scene::Impactor, copies: f64, compliance: f64) -> Self {
+    pub fn of(impactor: &scene::Impactor, multiplicity: f64, compliance: f64) -> Self {
         Self {
-            mass: impactor.mass / copies,
+            mass: impactor.mass / multiplicity,
             speed: impactor.speed,
             gap: impactor.gap,
-            weight: impactor.mass / copies * impactor.gravity,
-            law: Law { force_law: impactor.force_law.part(copies), compliance, damping: impactor.damping },
-            copies,
+            weight: impactor.mass / multiplicity * impactor.gravity,
+            law: Law { force_law: impactor.force_law.part(multiplicity), compliance, damping: impactor.damping },
+            multiplicity,
         }
     }
 
@@ -69,7 +69,7 @@ impl ImpactParameters {
             return Err(Error::Solve(format!(
                 "the law of the contact is stiffer from its first touch on than the body's own dent on the patch, {:.4e} N/m: a larger \
                  contact.patch_radius, or a law that begins softer, is needed",
-                self.copies / law.compliance
+                self.multiplicity / law.compliance
             )));
         }
         // On a body at rest the force never exceeds `force_bound`; on a moving body it can be slightly larger. Ten times as
@@ -84,13 +84,13 @@ impl ImpactParameters {
                 "the impactor has come to the end of contact.table, an indentation of {:.4e} m at a force of {:.4e} N: the table \
                  has to go on, or the impactor has to be lighter or slower",
                 law.force_law.end(),
-                self.copies * law.force(law.limit())
+                self.multiplicity * law.force(law.limit())
             )));
         }
         Err(Error::Solve(format!(
             "the contact is as wide as the patch that stands for it: at a force of {:.4e} N the law's stiffness would turn \
              negative. A larger contact.patch_radius is needed, more than 1.2 (E*/E') times the contact's radius",
-            self.copies * law.force(law.limit())
+            self.multiplicity * law.force(law.limit())
         )))
     }
 }

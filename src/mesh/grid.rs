@@ -35,7 +35,7 @@ impl Grid {
     }
 
     /// Number of such parts that make up the whole box.
-    pub fn copies(&self) -> usize {
+    pub fn multiplicity(&self) -> usize {
         1 << self.mirrors.iter().filter(|mirror| **mirror).count()
     }
 

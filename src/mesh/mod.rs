@@ -44,7 +44,7 @@ pub struct Mesh {
     /// rank's cells touch.
     pub mirror_nodes: [Vec<Int>; 3],
     /// Number of such meshes that make up the whole body: 1, or 4 for a quarter.
-    pub copies: usize,
+    pub multiplicity: usize,
     /// Number of nodes that this rank owns; their global numbers are contiguous.
     pub owned_nodes: usize,
     /// Number of nodes on all ranks.

@@ -34,7 +34,7 @@ impl Mesh {
                 let surfaces = grid.surfaces(&facets);
                 let parts_of_cells = of_layers(&body.composition.interfaces(), &cells);
                 let mesh = Self::collect(comm, owned_nodes, cells, facets, surfaces);
-                Ok(Self { mirror_nodes, parts_of_cells, copies: grid.copies(), ..mesh })
+                Ok(Self { mirror_nodes, parts_of_cells, multiplicity: grid.multiplicity(), ..mesh })
             }
             Geometry::Gmsh(path) => {
                 let GmshMesh { plex, shape, surfaces: groups, named_volumes, volumes, parts } = gmsh::read(comm, path)?;
@@ -86,7 +86,7 @@ impl Mesh {
             owned_nodes,
             diameter: diameter(comm, &cells),
             parts_of_cells: Vec::new(),
-            copies: 1,
+            multiplicity: 1,
             parts: 1,
             comm: comm.clone(),
             cells,

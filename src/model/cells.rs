@@ -87,7 +87,7 @@ pub struct Fitted {
     /// Longest cell at the impact point over the disc's radius, as in [`Operators::cell_over_disc`].
     pub cell_over_disc: Option<f64>,
     /// Description of the unknowns, for results.
-    pub words: String,
+    pub discretisation: String,
     /// Cell size relative to the rule of thumb.
     pub size: f64,
     /// Estimated discretisation error, if it was estimated.
@@ -348,10 +348,11 @@ pub(super) fn fitted(
     (size, vectors): (f64, Option<[usize; 2]>),
     watch: &dyn Watch,
 ) -> Result<Fitted> {
-    let Operators { body, words, evaluator, cells, cell_over_disc, measures } = built;
+    let Operators { body, discretisation, evaluator, cells, cell_over_disc, measures } = built;
     let linear = body.linear();
     let (reduced, unknowns) = (reduce_from(comm, linear, scene, vectors, watch)?, linear.unknowns());
-    let fitted = Fitted { reduced, unknowns, cells, cell_over_disc, words, size, error: None, evaluator, measures };
+    let fitted =
+        Fitted { reduced, unknowns, cells, cell_over_disc, discretisation, size, error: None, evaluator, measures };
     drop(body);
     comm.collect_garbage()?;
     Ok(fitted)

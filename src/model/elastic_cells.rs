@@ -149,7 +149,7 @@ fn found(
     let (Assembled::Local(body), Some(cells)) = (&built.body, built.cells) else { return Ok(None) };
     let stand_in = Operators {
         body: Assembled::Local(Box::new(body.elastic_at(time(scene)))),
-        words: String::new(),
+        discretisation: String::new(),
         cells: built.cells,
         cell_over_disc: built.cell_over_disc,
         evaluator: None,

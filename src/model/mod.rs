@@ -45,7 +45,7 @@ pub struct Model {
     /// Number of unknowns of the body in this theory, before any reduction.
     pub unknowns: usize,
     /// Description of the unknowns, for results.
-    pub words: String,
+    pub discretisation: String,
     /// Number of basis vectors, if the body is reduced.
     pub vectors: Option<usize>,
     /// The body reduced to another basis, and the factor from the difference of the two to the error.
@@ -109,12 +109,12 @@ impl Model {
     fn of(comm: &Comm, scene: &Scene, theory: scene::Model, watch: &dyn Watch) -> Result<Self> {
         match build(comm, scene, theory, 1.0, watch)? {
             Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
-            Built::Operators(Operators { body, words, evaluator, measures, .. }) if !scene.is_reduced() => {
+            Built::Operators(Operators { body, discretisation, evaluator, measures, .. }) if !scene.is_reduced() => {
                 let body = body.in_petsc(&comm.session().alone())?;
                 let unknowns = body.unknowns();
                 let gauges = || Gauges::new(comm, scene, evaluator, unknowns, None);
                 let gauges = scene.output.is_read().then(gauges).transpose()?;
-                Ok(Self { gauges, measures, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, words) })
+                Ok(Self { gauges, measures, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, discretisation) })
             }
             Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built, watch)?),
         }
@@ -122,7 +122,7 @@ impl Model {
 
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let Fitted { reduced, unknowns, words, evaluator, measures, error: cells, .. } = fitted;
+        let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, of_difference, krylov, error, modal, modal_of_judge, .. } = reduced;
         let vectors = projection.vectors();
         let gauges = match (vectors, scene.output.is_read()) {
@@ -136,7 +136,7 @@ impl Model {
         };
         let (vectors, judge) =
             (Some(vectors), Some((modal_of_judge.unwrap_or_else(|| ModalBody::of(&judge)), of_difference)));
-        let model = Self { vectors, judge, gauges, measures, ..Self::bare(theory, dynamics, unknowns, words) };
+        let model = Self { vectors, judge, gauges, measures, ..Self::bare(theory, dynamics, unknowns, discretisation) };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -145,12 +145,12 @@ impl Model {
     }
 
     /// A model without basis and without error estimates.
-    fn bare(theory: scene::Model, dynamics: Dynamics, unknowns: usize, words: String) -> Self {
+    fn bare(theory: scene::Model, dynamics: Dynamics, unknowns: usize, discretisation: String) -> Self {
         Self {
             theory,
             dynamics,
             unknowns,
-            words,
+            discretisation,
             vectors: None,
             judge: None,
             error: ErrorEstimate::default(),

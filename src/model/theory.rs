@@ -55,7 +55,7 @@ pub struct Operators {
     /// The assembled body.
     pub body: Assembled,
     /// Description of its unknowns, for results.
-    pub words: String,
+    pub discretisation: String,
     /// Numbers of cells along the axes, for splines whose cells the program chooses; 1 across a plate.
     pub cells: Option<[usize; 3]>,
     /// For Mindlin's plate, the longest cell at the impact point over the radius of the pressed disc
@@ -135,13 +135,13 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
         Model::Layerwise => of_plate(comm, scene, layerwise(scene), size)?,
         Model::Auto | Model::Solid if is_of_splines => {
             let SplineSolid { system, cells: [x, y, z], points } = SplineSolid::new(scene, &spline_settings)?;
-            let words = format!("{x} × {y} × {z} cells of splines");
-            Built::Operators(of_grid(comm, scene, (system, points), [x, y, z], words)?)
+            let discretisation = format!("{x} × {y} × {z} cells of splines");
+            Built::Operators(of_grid(comm, scene, (system, points), [x, y, z], discretisation)?)
         }
         Model::Auto | Model::Solid => {
             let mesh = Mesh::new(comm, &scene.body)?;
             let body = Body::solid(scene, &mesh)?;
-            let words = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
+            let discretisation = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
             let measures = matches!(scene.body.geometry, Geometry::Gmsh(_)).then(|| mesh.measures());
             let patch = body.localization.patch;
             let whole = if scene.output.is_read() { mesh.gather() } else { None };
@@ -150,7 +150,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             let evaluator = whole.map(|whole| Evaluator::of_mesh(scene, whole, patch.as_ref()));
             Built::Operators(Operators {
                 body: Assembled::InPetsc(Box::new(body)),
-                words,
+                discretisation,
                 cells: None,
                 cell_over_disc: None,
                 evaluator,
@@ -216,8 +216,8 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Resul
     let plate = Plate::new(scene, theory, &plate_settings(scene, theory, size)?)?;
     let cell_over_disc = plate.cell_over_disc();
     let Plate { system, cells: [x, y], points, .. } = plate;
-    let words = format!("{x} × {y} cells of splines");
-    let operators = of_grid(comm, scene, (system, points), [x, y, 1], words)?;
+    let discretisation = format!("{x} × {y} cells of splines");
+    let operators = of_grid(comm, scene, (system, points), [x, y, 1], discretisation)?;
     Ok(Built::Operators(Operators { cell_over_disc, ..operators }))
 }
 
@@ -256,7 +256,7 @@ fn of_grid(
     scene: &Scene,
     (mut system, points): (System, impl PointEvaluator + 'static),
     cells: [usize; 3],
-    words: String,
+    discretisation: String,
 ) -> Result<Operators> {
     let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
     let read = evaluator.as_ref().filter(|_| scene.output.stress).and_then(|evaluator| evaluator.hit_stress(scene));
@@ -270,5 +270,5 @@ fn of_grid(
     } else {
         Assembled::InPetsc(Box::new(Body::of(&comm.session().alone(), &system)?))
     };
-    Ok(Operators { body, words, cells: Some(cells), cell_over_disc: None, evaluator, measures: None })
+    Ok(Operators { body, discretisation, cells: Some(cells), cell_over_disc: None, evaluator, measures: None })
 }

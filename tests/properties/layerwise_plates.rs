@@ -48,7 +48,7 @@ fn softer_interlayers_let_plies_slide() {
         let scene = laminate([0.9, 0.7], [0.01, 0.001, 0.01], &format!("{soft}\ndensity = 2500.0"));
         let plate = plate(&scene, PlateTheory::Layerwise, 1.0);
         let deflection = a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.localization));
-        (deflection / plate.system.copies, plate.laminate.unwrap().compliance)
+        (deflection / plate.system.multiplicity, plate.laminate.unwrap().compliance)
     };
     let one = plate(&scene("size = [0.9, 0.7, 0.021]", "", &navier()), PlateTheory::Mindlin, 1.0);
     let whole = answer(&one, 0.0) + one.local.unwrap().compliance;

@@ -21,7 +21,7 @@ fn at_rest(system: &System) -> Vec<f64> {
     for matrix in [Some(&system.elastic), system.support.as_ref()].into_iter().flatten() {
         matrix.triplet_iter().for_each(|(i, j, value)| stiffness[(i, j)] += value);
     }
-    let mut force = DVector::from_iterator(n, system.localization.iter().map(|a| a / system.copies));
+    let mut force = DVector::from_iterator(n, system.localization.iter().map(|a| a / system.multiplicity));
     for &(i, _) in &system.held {
         stiffness.row_mut(i).fill(0.0);
         stiffness.column_mut(i).fill(0.0);

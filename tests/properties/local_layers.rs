@@ -44,7 +44,7 @@ fn at_rest(system: &System) -> Vec<f64> {
         entries.extend(free.map(|(i, j, value)| Triplet::new(i, j, *value)));
     }
     let stiffness = SparseColMat::try_new_from_triplets(n, n, &entries).expect("a matrix");
-    let force = |i: usize| if held[i] { 0.0 } else { system.localization[i] / system.copies };
+    let force = |i: usize| if held[i] { 0.0 } else { system.localization[i] / system.multiplicity };
     let u = stiffness.sp_cholesky(Side::Lower).expect("a body that is held").solve(Mat::from_fn(n, 1, |i, _| force(i)));
     (0..n).map(|i| u[(i, 0)]).collect()
 }

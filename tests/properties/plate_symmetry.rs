@@ -22,7 +22,7 @@ fn a_quarter_answers_as_the_whole() {
             let pressure = "[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -1]\n";
             plate(&scene(&body, "", &format!("{rest}{pressure}")), theory, 0.7)
         });
-        assert_eq!((quarter.system.copies, whole.system.copies), (4.0, 1.0));
+        assert_eq!((quarter.system.multiplicity, whole.system.multiplicity), (4.0, 1.0));
         for rate in [0.0, 1e3, 1e4] {
             let [one, other] = [&quarter, &whole].map(|plate| answer(plate, rate));
             // The discretisation error of the cells at the impact point, which differs between the two. It is largest
@@ -51,7 +51,7 @@ fn classes_of_motions_answer_as_the_whole() {
         (one_plane, [0.1, -0.08], (2.0, 2)),
         (one_plane, [0.1, 0.0], (2.0, 1)),
     ];
-    for ((rest, [x, y], (copies, classes)), theory) in
+    for ((rest, [x, y], (multiplicity, classes)), theory) in
         cases.into_iter().flat_map(|case| THEORIES.map(|theory| (case, theory)))
     {
         let [parts, whole] = ["auto", "none"].map(|symmetry| {
@@ -59,14 +59,14 @@ fn classes_of_motions_answer_as_the_whole() {
             let impactor = format!("point = [{x}, {y}, 0.015]");
             plate(&scene(&body, &impactor, &format!("{rest}{pressure}")), theory, 0.6)
         });
-        assert_eq!((parts.system.copies, parts.system.classes), (copies, classes));
-        assert_eq!((whole.system.copies, whole.system.classes), (1.0, 1));
+        assert_eq!((parts.system.multiplicity, parts.system.classes), (multiplicity, classes));
+        assert_eq!((whole.system.multiplicity, whole.system.classes), (1.0, 1));
         {
             let rate = 1e4;
             let moved = [&parts, &whole].map(|plate| {
                 let operator = Operator::new(plate, rate);
                 let of_load = operator.solve(plate, &plate.system.load);
-                let force: Vec<f64> = plate.system.localization.iter().map(|a| a / plate.system.copies).collect();
+                let force: Vec<f64> = plate.system.localization.iter().map(|a| a / plate.system.multiplicity).collect();
                 (operator.solve(plate, &force), of_load)
             });
             // The discretisation error of the cells at the impact point, which differs between the two; it is largest

@@ -74,7 +74,7 @@ pub fn a(plate: &Plate) -> DVector<f64> {
 
 /// Displacement average under a unit force on the whole plate.
 pub fn answer(plate: &Plate, rate: f64) -> f64 {
-    a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.localization)) / plate.system.copies
+    a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.localization)) / plate.system.multiplicity
 }
 
 pub fn held(surface: &str, components: &str) -> String {
@@ -112,7 +112,7 @@ fn navier_kirchhoff() {
     let exact = series([1.2, 0.9], 2000, |xi| 1.0 / (bending * xi.powi(4)));
     let errors = [1.0, 0.5].map(|cell_size_factor| {
         let plate = plate(&scene, PlateTheory::Kirchhoff, cell_size_factor);
-        assert_eq!((plate.system.copies, plate.system.compliance), (4.0, 0.0));
+        assert_eq!((plate.system.multiplicity, plate.system.compliance), (4.0, 0.0));
         1.0 - answer(&plate, 0.0) / exact
     });
     let order = (errors[0] / errors[1]).log2();
@@ -183,7 +183,7 @@ fn a_translation_is_a_translation() {
         let elastic = dense(&plate.system.elastic, n);
         assert!((&elastic * &translation).amax() < 1e-12 * elastic.amax(), "{theory:?}");
         let ricochet::scene::Geometry::Box { size, .. } = &scene.body.geometry else { panic!("no box") };
-        let mass = plate.system.copies * translation.dot(&(dense(&plate.system.mass, n) * &translation));
+        let mass = plate.system.multiplicity * translation.dot(&(dense(&plate.system.mass, n) * &translation));
         assert!((mass / (DENSITY * size.iter().product::<f64>()) - 1.0).abs() < 1e-12, "{theory:?}: {mass}");
     }
 }
@@ -229,16 +229,16 @@ fn resultants() {
         let plate = plate(&scene(&body, "", rest), theory, 1.0);
         let (perimeter, area, h) = (2.0, 0.24, 0.03);
         let one = DVector::from_column_slice(&plate.system.translation);
-        let of_vector = |v: &[f64]| plate.system.copies * one.dot(&DVector::from_column_slice(v));
+        let of_vector = |v: &[f64]| plate.system.multiplicity * one.dot(&DVector::from_column_slice(v));
         let of_matrix = |m: &Option<CsrMatrix<f64>>| {
             let matrix = dense(m.as_ref().expect("a matrix"), plate.system.load.len());
-            plate.system.copies * one.dot(&(matrix * &one))
+            plate.system.multiplicity * one.dot(&(matrix * &one))
         };
         let line = perimeter * h;
         for (found, exact) in [
             (of_vector(&plate.system.load), 2e4 * area * h + 3e3 * area - 5e3 * line),
             (of_vector(&plate.system.support_load), 1e9 * 1e-3 * line),
-            (plate.system.copies * plate.system.support_offset, 0.5 * 1e9 * 1e-6 * line),
+            (plate.system.multiplicity * plate.system.support_offset, 0.5 * 1e9 * 1e-6 * line),
             (of_matrix(&plate.system.support), 1e9 * line + 1e7 * area),
             (of_matrix(&plate.system.damping), 4e5 * area),
         ] {

@@ -23,13 +23,13 @@ pub struct Numbers {
     hit_stress: Vec<f64>,
     local_stress_per_newton: [f64; 3],
     compliance: f64,
-    copies: f64,
+    multiplicity: f64,
     patch: Option<Patch>,
 }
 
 impl From<Response> for Numbers {
     fn from(response: Response) -> Self {
-        let Response { modes, places, free, residual, others, hit_stress, compliance, copies, patch } = response;
+        let Response { modes, places, free, residual, others, hit_stress, compliance, multiplicity, patch } = response;
         let Shapes { free: [way, of_load], residual: of_force, rest, .. } = others;
         Self {
             modes: modes.iter().map(|(rate, output)| [rate.re, rate.im, output.re, output.im]).collect(),
@@ -40,7 +40,7 @@ impl From<Response> for Numbers {
             hit_stress: hit_stress.0.as_slice().to_vec(),
             local_stress_per_newton: hit_stress.1,
             compliance,
-            copies,
+            multiplicity,
             patch,
         }
     }
@@ -57,7 +57,7 @@ impl From<Numbers> for Response {
             hit_stress,
             local_stress_per_newton,
             compliance,
-            copies,
+            multiplicity,
             patch,
         } = numbers;
         let [way, of_load, of_force, rest] = others.map(DVector::from_vec);
@@ -72,7 +72,7 @@ impl From<Numbers> for Response {
             others: Shapes { moving: DMatrix::zeros(vectors, 0), free: [way, of_load], residual: of_force, rest },
             hit_stress: (DMatrix::from_vec(rows, vectors, hit_stress), local_stress_per_newton),
             compliance,
-            copies,
+            multiplicity,
             patch,
         }
     }

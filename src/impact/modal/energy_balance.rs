@@ -84,7 +84,7 @@ impl EnergyBalance {
             false => (self.of_contact, off + self.of_contact),
             true => (self.numerical - off, self.numerical),
         };
-        let n = parameters.copies;
+        let n = parameters.multiplicity;
         Energy {
             kinetic: n * kinetic,
             elastic: n * elastic,

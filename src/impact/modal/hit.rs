@@ -26,9 +26,9 @@ struct Reading {
 }
 
 impl HitTension {
-    /// Builds the forms from the modes of a body; `None` if the body has no such stresses. `copies` is the number of
+    /// Builds the forms from the modes of a body; `None` if the body has no such stresses. `multiplicity` is the number of
     /// equal parts of the whole body.
-    pub fn new(modes: &Modes, copies: f64) -> Option<Self> {
+    pub fn new(modes: &Modes, multiplicity: f64) -> Option<Self> {
         let (shapes, local) = modes.hit_stress.as_ref()?;
         let of_places = modes.forms.damped.as_ref().map(|[places, _]| on_modes(&shapes.moving, places));
         let stresses = [0, 1, 2].map(|i| {
@@ -44,7 +44,7 @@ impl HitTension {
             };
             Reading { real, imaginary, others }
         });
-        Some(Self { stresses, local: local.map(|stress| copies * stress) })
+        Some(Self { stresses, local: local.map(|stress| multiplicity * stress) })
     }
 
     /// The largest tensile stress in the plane of the face, Pa.

@@ -293,7 +293,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let gap = gap - state.surface(&modes);
         let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
         let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
-        let of_hit = HitTension::new(&modes, parameters.copies);
+        let of_hit = HitTension::new(&modes, parameters.multiplicity);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps, faces: None };
         let mut energy_balance = (self.has_energies && observed).then(EnergyBalance::default);
         let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
@@ -384,7 +384,7 @@ fn errors(difference: Errors, of_force: f64, of_tension: f64) -> Errors {
 }
 
 fn parameters(impactor: &Impactor, body: &ModalBody) -> ImpactParameters {
-    ImpactParameters::of(impactor, body.copies, body.compliance)
+    ImpactParameters::of(impactor, body.multiplicity, body.compliance)
 }
 
 /// Returns the present step for the observers.
@@ -407,7 +407,7 @@ fn seen(
             acceleration: force / parameters.mass,
         },
         contact: Contact {
-            force: parameters.copies * force,
+            force: parameters.multiplicity * force,
             indentation: law.indentation(motion.approach, force),
             surface_displacement: state.surface(modes) + modes.residual * force + state.settled * modes.rest,
             approach,

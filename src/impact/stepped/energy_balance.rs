@@ -127,28 +127,28 @@ impl EnergyBalance {
     /// Energies of the whole body, the impactor and the contact at a moment. Collective.
     pub(super) fn energy(&self, body: &Body, parameters: &ImpactParameters, at: &Moment) -> Result<Energy> {
         let Moment { state, products, .. } = at;
-        let copies = parameters.copies;
-        let kinetic = copies * 0.5 * products.momentum.dot(&state.v)?;
+        let multiplicity = parameters.multiplicity;
+        let kinetic = multiplicity * 0.5 * products.momentum.dot(&state.v)?;
         // Computed from u without its translation, like K u.
         let bent = products.elastic.dot(&state.u)? - at.surface * products.elastic.dot(&body.translation)?;
         let relaxing = stored_beyond(body, &at.lags, &state.u, at.surface)?;
-        let elastic = copies * (0.5 * bent + relaxing);
+        let elastic = multiplicity * (0.5 * bent + relaxing);
         let mut support = body.support_offset - body.support_load.dot(&state.u)? + at.pads;
         if let Some(product) = &products.support {
             support += 0.5 * product.dot(&state.u)?;
         }
-        let support = copies * support;
-        let impactor = copies * 0.5 * parameters.mass * state.q.velocity * state.q.velocity;
-        let contact = copies * parameters.law.potential(at.approach);
+        let support = multiplicity * support;
+        let impactor = multiplicity * 0.5 * parameters.mass * state.q.velocity * state.q.velocity;
+        let contact = multiplicity * parameters.law.potential(at.approach);
         Ok(Energy {
             kinetic,
             elastic,
             support,
             impactor,
             contact,
-            dissipated: copies * self.sum.dissipated,
-            external: copies * self.sum.external,
-            numerical: copies * self.sum.numerical,
+            dissipated: multiplicity * self.sum.dissipated,
+            external: multiplicity * self.sum.external,
+            numerical: multiplicity * self.sum.numerical,
             total: kinetic + elastic + support + impactor + contact,
         })
     }

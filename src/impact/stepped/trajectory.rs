@@ -124,7 +124,7 @@ impl Trajectory {
                 acceleration: force / parameters.mass,
             },
             contact: Contact {
-                force: parameters.copies * force,
+                force: parameters.multiplicity * force,
                 indentation: parameters.law.indentation(*approach, force),
                 surface_displacement: *surface,
                 approach: *approach,

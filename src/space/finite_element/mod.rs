@@ -100,7 +100,7 @@ impl Body {
             deviates: deviates_of_nodes(mesh)?,
             clamps,
             equilibrium: None,
-            copies: mesh.copies as f64,
+            multiplicity: mesh.multiplicity as f64,
             classes: Vec::new(),
         })
     }

@@ -40,9 +40,9 @@ impl Localization {
         let thickness = scene.body.struck_thickness(mesh.thickness(&site));
         let cosine = Vector3::from(site.normal).dot(&Vector3::from(impactor.direction));
         let unit_compliance = unit_compliance(&struck, cosine);
-        let copies = mesh.copies as f64;
+        let multiplicity = mesh.multiplicity as f64;
         let density = scene.body.composition.density().unwrap_or(struck.density);
-        let mass = copies * density * mesh.volume();
+        let mass = multiplicity * density * mesh.volume();
         let (limit_radius, least) = limits(&struck, impactor, mass, thickness, unit_compliance);
         let chosen = Patch::choose(thickness, site.cell, limit_radius);
         let axes = Axes::new(&site);
@@ -52,7 +52,7 @@ impl Localization {
             }
             None => fit(mesh, &axes, chosen, least)?,
         };
-        let compliance = copies * unit_compliance / patch.radius;
+        let compliance = multiplicity * unit_compliance / patch.radius;
         Ok(Self { compliance, patch: Some(patch), ..Self::of_nodes(mesh, &weights, impactor.direction)? })
     }
 }
@@ -156,5 +156,5 @@ fn weights(mesh: &Mesh, axes: &Axes, radius: f64) -> (Vec<(Int, f64)>, f64) {
     }
     let total: f64 = sum.values().sum();
     let weights = sum.into_iter().map(|(node, value)| (node, value / total)).collect();
-    (weights, total * mesh.copies as f64)
+    (weights, total * mesh.multiplicity as f64)
 }

@@ -72,8 +72,8 @@ impl PlateGeometry {
         (0..2).filter(|&i| self.halved[i]).map(|i| self.axes[i]).collect()
     }
 
-    /// Number of copies of the modelled part in the whole plate.
-    pub fn copies(&self) -> f64 {
+    /// Symmetry multiplicity: number of times that the modelled part fits into the whole plate.
+    pub fn multiplicity(&self) -> f64 {
         self.halved.iter().map(|&halved| if halved { 2.0 } else { 1.0 }).product()
     }
 

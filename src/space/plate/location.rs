@@ -34,11 +34,11 @@ fn on_disc(points: &Points, (spread, radius): (&Spread, f64), parts: &[(f64, Par
     let mut a = vec![0.0; points.all_unknowns()];
     // For a quarter, only the quadrant of the disc in the modelled part is integrated and multiplied by the number of
     // quarters. Otherwise the whole disc is integrated.
-    let copies = if geometry.is_quarter { geometry.copies() } else { 1.0 };
+    let multiplicity = if geometry.is_quarter { geometry.multiplicity() } else { 1.0 };
     let lines = points.lines_of_whole();
     for (x, line) in spread.strips(geometry.hit, radius, [0, 1].map(|i| &lines[geometry.axes[i]][..])) {
         for (factor, part) in parts {
-            points.add_line((*part, copies * factor), x, &line, &mut a);
+            points.add_line((*part, multiplicity * factor), x, &line, &mut a);
         }
     }
     a

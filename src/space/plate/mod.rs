@@ -110,7 +110,7 @@ const LEAST_DISC: f64 = 0.5;
 /// The unknowns are spline coefficients: first of the deflection w along the impactor's direction (m), then of
 /// Mindlin's rotations θ along the two axes of the plane, ascending (rad). With several layers, the pairs of rotations
 /// follow one another. In Kirchhoff's theory the coefficients of w include its slopes at the ends. The compliance of
-/// the system is −c_M times the number of copies, or 0 for Kirchhoff's theory.
+/// the system is −c_M times the symmetry multiplicity, or 0 for Kirchhoff's theory.
 #[derive(Debug, Clone)]
 pub struct Plate {
     /// System of M ü + C u̇ + K u = a F + f.
@@ -240,7 +240,7 @@ impl Plate {
         let points = Points { geometry, section, lines, tensor, theory, local, laminate };
         let mirrors = points.geometry.mirrors();
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &mirrors }, &description)?;
-        let (copies, classes) = (points.geometry.copies(), points.geometry.classes.len());
+        let (multiplicity, classes) = (points.geometry.multiplicity(), points.geometry.classes.len());
         let (mut elastic, mass) = match &points.laminate {
             None => {
                 let shear_factor = local.map_or(0.0, |local| local.shear_factor);
@@ -293,7 +293,7 @@ impl Plate {
             support_load: even(terms.support_load),
             support_offset: terms.support_offset,
             localization: location::localization(&points),
-            compliance: if compliance == 0.0 { 0.0 } else { -compliance * copies },
+            compliance: if compliance == 0.0 { 0.0 } else { -compliance * multiplicity },
             patch: None,
             hit_stress: Vec::new(),
             local_stress_per_newton: [0.0; 3],
@@ -301,7 +301,7 @@ impl Plate {
             exchange,
             factorised,
             translation: even(points.tensor.one(DEFLECTION)),
-            copies,
+            multiplicity,
             classes,
         };
         Ok(Self { system, cells, local, laminate: points.laminate.clone(), points })

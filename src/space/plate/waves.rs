@@ -47,21 +47,21 @@ pub(super) fn of_points(points: &Points) -> Option<InfinitePlate> {
 
 /// Response of the infinite plate for the modelled part of a plate, with all its symmetry classes.
 fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>) -> InfinitePlate {
-    let (edges, copies) = (geometry.edges, geometry.copies());
+    let (edges, multiplicity) = (geometry.edges, geometry.multiplicity());
     let classes = geometry.classes.len() as f64;
     let material = Material { young: section.young, poisson: section.poisson, density: section.density };
     // ξ² = ω √(ρh/D) for long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
-    let thin = copies * slowness / (4.0 * PI * section.density * section.thickness);
+    let thin = multiplicity * slowness / (4.0 * PI * section.density * section.thickness);
     let Spectrum { density, fast_wave_compliances } = match local {
         None => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
-        Some(local) => of_mindlin(section, local, copies, thin),
+        Some(local) => of_mindlin(section, local, multiplicity, thin),
     };
     // An area A has A ξ²/4π modes with wavenumbers below ξ.
     InfinitePlate {
         density,
         fast_wave_compliances,
-        modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * copies),
+        modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * multiplicity),
         impedance: zener::impedance(&material, section.thickness),
         slowness,
         distance_to_edge: geometry.distance_to_edge(),
@@ -109,8 +109,8 @@ struct Spectrum {
 
 /// Spectrum of a Mindlin plate. The bending waves have the density ν = (1/2π) ξ dξ/dω r² P². The thickness-shear waves,
 /// and the bending waves beyond the last ω, are springs with the compliance (1/2π) r² P²/ω² ξ dξ. `longest` is ν of the
-/// thin plate, s/kg; `copies` is the number of modelled parts in the whole plate.
-fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Spectrum {
+/// thin plate, s/kg; `multiplicity` is the number of modelled parts in the whole plate.
+fn of_mindlin(section: &Section, local: &Local, multiplicity: f64, longest: f64) -> Spectrum {
     let first = 0.01 / section.thickness;
     let mut density = vec![(waves(section, local, first)[0].frequency, longest)];
     let (mut largest, mut is_complete, mut fast_wave_compliances) = (longest, false, Vec::new());
@@ -121,7 +121,7 @@ fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Sp
         }
         let [bending, shear] = waves(section, local, wavenumber);
         // ξ dξ = ξ² d ln ξ.
-        let part = copies * wavenumber * wavenumber * STEP.ln() / (2.0 * PI);
+        let part = multiplicity * wavenumber * wavenumber * STEP.ln() / (2.0 * PI);
         let spring = |wave: &Wave| (wave.frequency, part * wave.of_force / wave.frequency.powi(2));
         fast_wave_compliances.push(spring(&shear));
         if is_complete {
@@ -131,7 +131,7 @@ fn of_mindlin(section: &Section, local: &Local, copies: f64, longest: f64) -> Sp
         let ends = [1e-3, -1e-3].map(|part| wavenumber * (1.0 + part));
         let frequencies = ends.map(|end| waves(section, local, end)[0].frequency);
         let slope = (ends[0] - ends[1]) / (frequencies[0] - frequencies[1]);
-        let value = copies * wavenumber * slope * bending.of_force / (2.0 * PI);
+        let value = multiplicity * wavenumber * slope * bending.of_force / (2.0 * PI);
         density.push((bending.frequency, value));
         largest = largest.max(value);
         is_complete = value < NEGLECTED_DENSITY * largest && wavenumber * local.radius > PI;

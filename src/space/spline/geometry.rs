@@ -49,8 +49,8 @@ impl BoxGeometry {
         Ok(Self { size: *size, hit: scene.impactor.point, struck, interfaces, mirrors })
     }
 
-    /// Number of copies of the modelled part in the whole box.
-    pub fn copies(&self) -> f64 {
+    /// Symmetry multiplicity: number of times that the modelled part fits into the whole box.
+    pub fn multiplicity(&self) -> f64 {
         if self.mirrors.is_empty() { 1.0 } else { 4.0 }
     }
 

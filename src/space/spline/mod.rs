@@ -116,7 +116,7 @@ impl SplineSolid {
             MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time(),
         );
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
-        let copies = geometry.copies();
+        let multiplicity = geometry.multiplicity();
         let system = System {
             mass,
             elastic: stiffness,
@@ -129,7 +129,7 @@ impl SplineSolid {
             support_load: terms.support_load,
             support_offset: terms.support_offset,
             localization: patch.localization(&geometry, &points, description.direction),
-            compliance: copies * patch.compliance,
+            compliance: multiplicity * patch.compliance,
             patch: patch.patch,
             hit_stress: Vec::new(),
             local_stress_per_newton: [0.0; 3],
@@ -137,7 +137,7 @@ impl SplineSolid {
             exchange: may_exchange(&geometry, &points).then(|| exchange(&points.tensor, geometry.plane())),
             translation: translation(&points.tensor, description.direction),
             factorised: Vec::new(),
-            copies,
+            multiplicity,
             classes: 1,
         };
         Ok(Self { system, cells, points })

@@ -113,7 +113,7 @@ impl PatchModel {
             let mut place = geometry.hit;
             place[plane[0]] = x;
             for (component, d) in direction.into_iter().enumerate().filter(|(_, d)| *d != 0.0) {
-                let part = (displacement(component), geometry.copies() * d);
+                let part = (displacement(component), geometry.multiplicity() * d);
                 points.tensor.add_line(part, (place, plane[1]), &line, &mut a);
             }
         }

@@ -141,7 +141,7 @@ fn a_free_body_drifts_after_a_short_contact(_: &Session) {
     let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.033, accuracy: 1e-9, end: 1.0 };
     let free = modes.modes(1e12, &closed).unwrap().free;
     let mass = 2500.0 * 1.0 * 1.5 * 0.01;
-    let drift = free.mobility * mass / body.system().copies;
+    let drift = free.mobility * mass / body.system().multiplicity;
     // Rounding of a mass of a thousand entries.
     assert!((drift - 1.0).abs() < 1e-9, "{drift}");
 }

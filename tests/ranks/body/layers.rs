@@ -163,10 +163,10 @@ fn weight_of_layers(session: &Session) {
             ricochet::model::Built::Operators(built) => built.body.in_petsc(&session.alone()).unwrap(),
             ricochet::model::Built::Given(_) => panic!("operators"),
         };
-        let found = loaded.copies * loaded.load.dot(&loaded.translation).unwrap();
+        let found = loaded.multiplicity * loaded.load.dot(&loaded.translation).unwrap();
         let mut momentum = loaded.load.duplicate().unwrap();
         loaded.apply_mass(&loaded.translation, &mut momentum).unwrap();
-        let mass = loaded.copies * momentum.dot(&loaded.translation).unwrap();
+        let mass = loaded.multiplicity * momentum.dot(&loaded.translation).unwrap();
         // Rounding of some thousand cells.
         assert!((found / weight - 1.0).abs() < 1e-9 && (mass * 9.8 / weight - 1.0).abs() < 1e-9, "{found} {mass}");
     }

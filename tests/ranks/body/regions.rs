@@ -74,15 +74,15 @@ fn areas_of_parts_on_every_space(session: &Session) {
         ("bottom", "{ rim = 1.0 }".to_owned(), x * y),
     ] {
         for (name, body) in bodies(session, surface, &within) {
-            let (translation, copies) = (&body.translation, body.copies);
+            let (translation, multiplicity) = (&body.translation, body.multiplicity);
             let mut product = translation.duplicate().unwrap();
             let mut along = |matrix: &Option<petsc_wrap::Matrix>| {
                 matrix.as_ref().unwrap().mult(translation, &mut product).unwrap();
-                copies * product.dot(translation).unwrap()
+                multiplicity * product.dot(translation).unwrap()
             };
             let found = [along(&body.support) / K, along(&body.damping) / C, {
                 // Opposite to the direction of travel.
-                -copies * body.load.dot(translation).unwrap() / PRESSURE
+                -multiplicity * body.load.dot(translation).unwrap() / PRESSURE
             }];
             for found in found {
                 // Quadrature along the rim of a disc: 1e-10 of each facet.
@@ -148,7 +148,7 @@ fn a_strip_that_cuts_cells_is_that_of_a_mesh_with_its_edge(session: &Session) {
         let operator = body.operator(0.0, 0.0).unwrap();
         let mut moved = body.load.duplicate().unwrap();
         body.solver(&operator).unwrap().solve(&body.load, &mut moved).unwrap();
-        body.copies * body.load.dot(&moved).unwrap()
+        body.multiplicity * body.load.dot(&moved).unwrap()
     };
     // Cells of 30 mm, and of 27 and 25 mm.
     let [with_edge, cut, cut_elsewhere] = [[20, 16], [22, 18], [24, 20]].map(work);

@@ -79,7 +79,7 @@ fn solve(body: &Body, rate: f64, load: &Vector) -> Vector {
 /// Displacement average under a unit force on the whole body, minus the part of it that is in the contact law.
 fn answer(body: &Body, rate: f64) -> f64 {
     let a = &body.localization;
-    (a.vector.dot(&solve(body, rate, &a.vector)).unwrap() - a.compliance) / body.copies
+    (a.vector.dot(&solve(body, rate, &a.vector)).unwrap() - a.compliance) / body.multiplicity
 }
 
 /// Displacement average under the scene's loads.
@@ -221,15 +221,15 @@ fn resultants(_: &Session) {
         let system: System = block(&scene, 2.0).system;
         let (sides, area, volume) = (2.0 * 0.1, 0.24, 0.024);
         let one = DVector::from_column_slice(&system.translation);
-        let along = |v: &[f64]| system.copies * one.dot(&DVector::from_column_slice(v));
+        let along = |v: &[f64]| system.multiplicity * one.dot(&DVector::from_column_slice(v));
         let mass = Some(system.mass.clone());
         for (found, exact) in [
-            (system.copies * product(&mass, &one, &one), 2500.0 * volume),
+            (system.multiplicity * product(&mass, &one, &one), 2500.0 * volume),
             (along(&system.load), 2e4 * volume + 3e3 * area - 5e3 * sides),
             (along(&system.support_load), 1e9 * 1e-3 * sides),
-            (system.copies * system.support_offset, 0.5 * 1e9 * 1e-6 * sides),
-            (system.copies * product(&system.support, &one, &one), 1e9 * sides + 1e7 * area),
-            (system.copies * product(&system.damping, &one, &one), 4e5 * area),
+            (system.multiplicity * system.support_offset, 0.5 * 1e9 * 1e-6 * sides),
+            (system.multiplicity * product(&system.support, &one, &one), 1e9 * sides + 1e7 * area),
+            (system.multiplicity * product(&system.damping, &one, &one), 4e5 * area),
             (one.dot(&DVector::from_column_slice(&system.localization)), 1.0),
         ] {
             // Rounding of some thousand terms.

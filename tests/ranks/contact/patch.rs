@@ -269,7 +269,7 @@ fn a_quarter(session: &Session) {
     let mut scene = scene(&boxed(SIZE, [8, 6, 2]), 2, [0.2, 0.15, 0.05]);
     let mut mesh = Mesh::new(&world, &scene.body).unwrap();
     assert!(refused(&mesh, &scene, Some(0.03)).message.contains("25.00% of a patch"));
-    mesh.copies = 4;
+    mesh.multiplicity = 4;
     let radius = 0.03;
     let a = Localization::patch(&mesh, &scene, Some(radius)).unwrap();
     let total: f64 = a.entries.iter().map(|(_, value)| value).sum();

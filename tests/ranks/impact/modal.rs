@@ -41,7 +41,7 @@ fn trace(scene: &Scene, body: &ModalBody, step: f64) -> Trace {
 /// Largest error of the reported accelerations over the peak, in the first contact and over all time; and the number of
 /// steps.
 fn error(scene: &Scene, body: &ModalBody, reference: &Trace) -> (f64, f64, usize) {
-    let mass = scene.impactor.mass / body.copies;
+    let mass = scene.impactor.mass / body.multiplicity;
     let (mut first, mut all, mut steps) = (0.0_f64, 0.0_f64, 0);
     let flow = ModalImpact::new(scene, body).run(|step| {
         let off = (mass * step.impactor.acceleration - reference.at(step.time)).abs() / reference.peak();

@@ -78,10 +78,10 @@ fn modal(scene: &Scene, projection: &Projection, step: f64) -> Trace {
 fn stepped(scene: &Scene, body: Body, step: f64) -> Vec<(f64, f64)> {
     let mut scene = scene.clone();
     (scene.time.modal, scene.time.step) = (false, Some(step));
-    let copies = body.copies;
+    let multiplicity = body.multiplicity;
     let mut forces = Vec::new();
     let flow = SteppedImpact::new(&scene, body).unwrap().run(|step: &Step| {
-        forces.push((step.time, step.contact.force / copies));
+        forces.push((step.time, step.contact.force / multiplicity));
         Ok(ControlFlow::Continue(()))
     });
     assert!(flow.unwrap().is_continue());

@@ -20,7 +20,7 @@ fn parse(body: &str, rest: &str, overrides: &[String]) -> Scene {
 }
 
 /// Boxes hit off the centre and in the centre, on a face and on an edge, as wholes and as quarters: lines of the body,
-/// overrides, and number of copies.
+/// overrides, and symmetry multiplicity.
 const BOXES: [(&str, &[&str], usize); 5] = [
     ("size = [1.5, 0.9, 0.1]\ncells = [7, 6, 3]\ngrading = [8, 5, 2]", &["impactor.point=[0.31,-0.12,0.05]"], 1),
     ("size = [1.5, 0.9, 0.1]\ncells = [6, 4, 2]\ngrading = 100\nsymmetry = \"none\"", &[], 1),
@@ -45,11 +45,11 @@ fn third_of_sum(matrix: &Matrix, like: &Vector) -> f64 {
 /// by its mirror image, so the two faces of a pair are tested together.
 fn measures_of_graded_boxes_and_quarters(session: &Session) {
     let world = session.world();
-    for (body, overrides, copies) in BOXES {
+    for (body, overrides, multiplicity) in BOXES {
         let mut scene = parse(body, "", &owned(overrides));
         let Geometry::Box { size: [x, y, z], .. } = scene.body.geometry else { panic!("no box") };
         let mesh = Mesh::new(&world, &scene.body).unwrap();
-        assert_eq!(mesh.copies, copies, "{body}");
+        assert_eq!(mesh.multiplicity, multiplicity, "{body}");
         let pairs: [(&[&str], f64); 4] = [
             (&["side"], 2.0 * (x + y) * z),
             (&["x-min", "x-max"], 2.0 * y * z),
@@ -58,7 +58,7 @@ fn measures_of_graded_boxes_and_quarters(session: &Session) {
         ];
         let single: [(&[&str], f64); 4] =
             [(&["top"], x * y), (&["bottom"], x * y), (&["x-max"], y * z), (&["y-min"], x * z)];
-        for (surfaces, area) in pairs.iter().chain(single.iter().filter(|_| copies == 1)) {
+        for (surfaces, area) in pairs.iter().chain(single.iter().filter(|_| multiplicity == 1)) {
             let unit = |surface: &&str| Support {
                 surface: (*surface).to_owned(),
                 within: None,
@@ -68,8 +68,8 @@ fn measures_of_graded_boxes_and_quarters(session: &Session) {
             };
             scene.supports = surfaces.iter().map(unit).collect();
             let solid = Body::solid(&scene, &mesh).unwrap();
-            let volume = solid.copies * third_of_sum(&solid.mass, &solid.load) / 2500.0;
-            let springs = solid.copies * third_of_sum(solid.support.as_ref().expect("unit springs"), &solid.load);
+            let volume = solid.multiplicity * third_of_sum(&solid.mass, &solid.load) / 2500.0;
+            let springs = solid.multiplicity * third_of_sum(solid.support.as_ref().expect("unit springs"), &solid.load);
             // Rounding of sums of some thousand entries.
             assert!((volume / (x * y * z) - 1.0).abs() < 1e-12, "{body}: volume {volume}");
             assert!((springs / area - 1.0).abs() < 1e-12, "{body}: {surfaces:?} {springs}");
@@ -80,7 +80,7 @@ fn measures_of_graded_boxes_and_quarters(session: &Session) {
 
 /// Every vertex is a point of the scene's grid to the last bit, also for a quarter.
 fn vertices_are_those_of_the_grid(session: &Session) {
-    for (body, overrides, copies) in BOXES {
+    for (body, overrides, multiplicity) in BOXES {
         let scene = parse(body, "", &owned(overrides));
         let Geometry::Box { planes, .. } = &scene.body.geometry else { panic!("no box") };
         let mesh = Mesh::new(&session.world(), &scene.body).unwrap();
@@ -95,7 +95,7 @@ fn vertices_are_those_of_the_grid(session: &Session) {
             }
         }
         let cells: usize = planes.iter().map(|planes| planes.len() - 1).product();
-        assert_eq!(mesh.total_cells * copies, cells, "{body}");
+        assert_eq!(mesh.total_cells * multiplicity, cells, "{body}");
     }
 }
 
@@ -192,14 +192,14 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     let scene = parse(case.body, case.rest, &overrides);
     let Geometry::Box { size, .. } = scene.body.geometry else { panic!("no box") };
     let mesh = Mesh::new(comm, &scene.body).unwrap();
-    assert_eq!(mesh.copies, if symmetry == "none" { 1 } else { 4 });
+    assert_eq!(mesh.multiplicity, if symmetry == "none" { 1 } else { 4 });
     let mut body = Body::solid(&scene, &mesh).unwrap();
     let mut matrix = body.combination(case.operator[0], case.operator[1]).unwrap();
     let held = &body.clamps.displacement;
     let mut product = held.duplicate().unwrap();
     matrix.mult(held, &mut product).unwrap();
     let mut force = held.duplicate().unwrap();
-    force.axpy(1e6 / body.copies, &body.localization.vector).unwrap();
+    force.axpy(1e6 / body.multiplicity, &body.localization.vector).unwrap();
     for (factor, part) in [(1.0, &body.load), (1.0, &body.support_load), (-1.0, &product)] {
         force.axpy(factor, part).unwrap();
     }
@@ -227,7 +227,7 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     }
     whole.mult(&u, &mut product).unwrap();
     let pad = body.pads.as_mut().map_or(0.0, |pads| pads.potential(&u).unwrap());
-    Answer { displacements, energies: [0.5 * u.dot(&product).unwrap(), pad].map(|energy| body.copies * energy) }
+    Answer { displacements, energies: [0.5 * u.dot(&product).unwrap(), pad].map(|energy| body.multiplicity * energy) }
 }
 
 /// A quarter gives the displacements and energies of the whole, statically and in a time step, on any number of ranks.
