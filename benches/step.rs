@@ -109,7 +109,7 @@ fn main() {
     }
     let [solve, condensed, full, whole, bare] = best;
     println!(
-        "{} unknowns: bare solve {:.2} ms; condensed step {:.2} ms, {:.2} of it; full Newton step {:.1} ms, {:.1} condensed ones",
+        "{} unknowns: bare solve {:.2} ms; condensed step {:.2} ms, {:.2} bare solves; full Newton step {:.1} ms, {:.1} condensed steps",
         3 * mesh.nodes,
         1e3 * solve,
         1e3 * condensed,

@@ -62,7 +62,7 @@ def chart(rows, levels, columns):
             of_auto = f"{seconds(asked[0][2])}, {ratio(asked[0][2] / first[2])} times; error {100 * asked[0][3]:.2g}%{met}"
             front = best(counted, asked[0][3])
             if front and asked[0][4]:
-                of_auto += f", {ratio(asked[0][2] / front[2])} times the quickest within that"
+                of_auto += f", {ratio(asked[0][2] / front[2])} times the quickest run within its error"
         cells = []
         for name in columns:
             point = best([row for row in peers if row[0] == name], level)

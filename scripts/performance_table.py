@@ -62,7 +62,7 @@ def growth(folder):
         values = np.log([all_costs[cells][0][column] for cells in CELLS])
         slopes.append(f"n^{np.polyfit(unknowns, values, 1)[0]:.2f}")
     lines.append(["slope", "", *slopes, "", ""])
-    head = ["cells", "unknowns n", "assembly, all (speed-up on 2 ranks)", "factorisation", "a step", "bandwidth bound of its solve", "step over it"]
+    head = ["cells", "unknowns n", "assembly, all (speed-up on 2 ranks)", "factorisation", "a step", "bandwidth bound of its solve", "step / bound"]
     return table(head, lines) + f"\n\nRead bandwidth of one core: {rate / 1e9:.1f} GB/s."
 
 

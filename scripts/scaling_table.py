@@ -86,7 +86,7 @@ def model(runs):
         name = "an iteration" if phase == "a step" else phase
         half = "–" if serial == 0 else f"{shared / serial:.{1 if shared < 10 * serial else 0}f}"
         lines.append([name, f"{1e6 * serial:.2f}", f"{1e6 * shared:.2f}", f"{100 * off:.0f}%", half])
-    return table(["", "σ, µs", "q, µs", "off by at most", "q/σ: ranks on which half of the time is not shared"], lines)
+    return table(["", "σ, µs", "q, µs", "largest error of the fit", "q/σ: number of ranks at which half of the time is not parallel"], lines)
 
 
 def peer_table(path):

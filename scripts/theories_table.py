@@ -117,7 +117,7 @@ def auto(rows):
             which = ", ".join(dict.fromkeys(row.run.model for row in chosen))
             lines.append([name, tolerance, which, per_cent(max(row.error for row in chosen)), f"{met} of {len(chosen)}",
                           *("–" if np.all(np.isnan(r)) else f"{np.nanmin(r):.1f} – {np.nanmax(r):.1f}" for r in (ratios, processes))])  # fmt: skip
-    return table(["plate", "tolerance", "theory", "largest error", "met", "time over the cheapest by hand that meets it", "process over process"], lines)
+    return table(["plate", "tolerance", "theory", "largest error", "met", "time over the cheapest by hand that meets it", "ratio of process times"], lines)
 
 
 def main(folder, doc):

@@ -161,7 +161,7 @@ fn the_estimate_is_above_the_error_on_more_scenes(session: &Session) {
 fn check_scenes(session: &Session, numbers: &[usize]) {
     let comm = session.world();
     println!(
-        "| scene | edge, m | edge/h | sides | mass, kg | h/(c_s T) | kirchhoff − mindlin | estimate | error | of it unresolved, at most | estimate/error |"
+        "| scene | edge, m | edge/h | sides | mass, kg | h/(c_s T) | kirchhoff − mindlin | estimate | error | unresolved part, at most | estimate/error |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut missed = Vec::new();
