@@ -143,7 +143,7 @@ impl<'a> Report<'a> {
         match (&self.limit, self.outcome) {
             (Some(limit), _) => self.print_limit(limit),
             (None, Outcome::PassedEverywhere) => say(format_args!(
-                "the strength is exceeded at the lower end already, and everywhere from {from} to {to}: the ratio of tension to strength is \
+                "the strength is already exceeded at the lower end, and everywhere from {from} to {to}: the ratio of tension to strength is \
                  at most {}, and at least {}",
                 of(&self.largest),
                 of(&self.smallest)
@@ -176,18 +176,18 @@ impl<'a> Report<'a> {
         let from = self.shown(self.range[0]);
         let below = match self.outcome {
             Outcome::PassedUpToValue => {
-                format!("the strength is exceeded at the lower end already, {from}, and up to the limit")
+                format!("the strength is already exceeded at the lower end, {from}, and up to the limit")
             }
             _ => format!("no lower value from {from} on reaches the strength"),
         };
         let lower = self.samples.iter().filter(|run| run.value < limit.value).count();
         let rest = match self.is_lowest_by_curvature {
             true => "the curvature of the tension between them allows no other limit",
-            false => "between them another limit may hide",
+            false => "another limit may lie between them",
         };
         let added = match self.added {
             0 => String::new(),
-            added => format!("; {added} of the runs were added for that"),
+            added => format!("; {added} runs were added to check this"),
         };
         say(format_args!("{below}: {lower} were computed, and {rest}{added}"));
     }

@@ -133,7 +133,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     warnings.extend(summary.warning_of_end());
     if scene.is_at_clamped_edge(most.point) {
         warnings.push(
-            "the strength is used most at a clamped edge, where stresses of a solid have no limit as cells get smaller: the error of its tension is not \
+            "the largest ratio of tension to strength is at a clamped edge, where the stresses of a solid do not converge as cells get smaller: the error of its tension is not \
              estimated"
                 .to_owned(),
         );
