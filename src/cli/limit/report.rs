@@ -187,7 +187,7 @@ impl<'a> Report<'a> {
         };
         let added = match self.added {
             0 => String::new(),
-            added => format!("; {added} runs were added to check this"),
+            added => format!("; added to check this: {added}"),
         };
         say(format_args!("{below}: {lower} were computed, and {rest}{added}"));
     }
