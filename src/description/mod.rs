@@ -1,6 +1,7 @@
-//! A body, what holds it and what loads it, as data: terms on regions of its surface. Knows no discretisation.
+//! Description of a body, its supports and its loads as data: terms on regions of its surface, independent of the
+//! discretisation.
 //!
-//! A space ([`crate::space`]) integrates it.
+//! A space ([`crate::space`]) integrates the terms.
 
 mod part;
 mod region;
@@ -13,80 +14,83 @@ pub use region::{Extent, Place, Region, region};
 use crate::form::Foundation;
 use crate::scene::{Scene, SupportKind, Vec3};
 
-/// k of the springs that hold a clamped part of a surface, times its width over E. A rigid disc of the radius r on a half-space yields
-/// by P (1 − ν²)/(2 E r), springs by P/(k π r²): with this factor less than 1e-4 of it.
+/// Dimensionless stiffness k·w/E of the springs that replace a clamp on a part of a surface; w is the width of the part
+/// (the radius of a ball), k is per area. A rigid disc of radius r on a half-space has the compliance (1 − ν²)/(2 E r),
+/// the springs have 1/(k π r²). With this factor and w = r, the springs have less than 1e-4 of the compliance of the
+/// half-space; with w = 2r, less than 2e-4.
 const STIFF_AS_A_CLAMP: f64 = 1e4;
 
-/// All that a scene says of its body but for the geometry.
+/// Content of a scene about the body, except for its geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
-    /// What it is made of, and the force on the volume of each part.
+    /// Materials of the parts of the body, each with the force on its volume.
     pub parts: Vec<Part>,
-    /// Elastic supports (11).
+    /// Elastic supports, equation (11).
     pub springs: Vec<Spring>,
-    /// Dampers (13).
+    /// Dampers, equation (13).
     pub dampers: Vec<Damper>,
-    /// One-sided elastic supports (12).
+    /// Unilateral elastic supports (pads), equation (12).
     pub pads: Vec<Pad>,
-    /// Held displacements (2): where two hold the same, the later one's stands.
+    /// Prescribed displacements, equation (2). If two clamps prescribe the same component at the same point, the later
+    /// one applies.
     pub clamps: Vec<Clamp>,
-    /// Tractions (3).
+    /// Tractions, equation (3).
     pub tractions: Vec<Traction>,
     /// Unit vector along which the impactor moves.
     pub direction: Vec3,
 }
 
-/// An elastic support.
+/// Elastic support on a region.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spring {
-    /// Where.
+    /// Region of the surface.
     pub region: Region,
-    /// k, N/m³ by component.
+    /// Stiffness k per area of each component, N/m³.
     pub stiffness: Vec3,
-    /// ū, m.
+    /// Displacement ū at which the spring is unstressed, m.
     pub displacement: Vec3,
 }
 
-/// A damper.
+/// Damper on a region.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Damper {
-    /// Where.
+    /// Region of the surface.
     pub region: Region,
-    /// c, N s/m³ by component.
+    /// Damping coefficient c per area of each component, N s/m³.
     pub coefficient: Vec3,
 }
 
-/// A one-sided elastic support.
+/// Unilateral elastic support (pad) on a region.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pad {
-    /// Where.
+    /// Region of the surface.
     pub region: Region,
-    /// What pushes back.
+    /// Stiffness, direction and displacement of the foundation.
     pub foundation: Foundation,
 }
 
-/// A held displacement of a whole surface.
+/// Prescribed displacement of a whole surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clamp {
     /// Name of the surface.
     pub surface: String,
-    /// Which components are held.
+    /// Whether each component is constrained.
     pub components: [bool; 3],
-    /// ū, m.
+    /// Prescribed displacement ū, m.
     pub displacement: Vec3,
 }
 
-/// A traction.
+/// Traction on a region.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traction {
-    /// Where.
+    /// Region of the surface.
     pub region: Region,
-    /// f, N/m².
+    /// Traction vector f, N/m².
     pub value: Vec3,
 }
 
 impl Description {
-    /// Of a scene.
+    /// Description of the body, the supports and the loads of a scene.
     pub fn new(scene: &Scene) -> Self {
         let body = &scene.body;
         let mut description = Self {
@@ -117,7 +121,8 @@ impl Description {
                         let surface = support.surface.clone();
                         description.clamps.push(Clamp { surface, components, displacement });
                     }
-                    // The edge of a part cuts cells, whose unknowns cannot be held in part.
+                    // The boundary of a part of a surface cuts cells, and an unknown of a cut cell cannot be
+                    // constrained on a part of the cell only.
                     Some(within) => {
                         let stiff = STIFF_AS_A_CLAMP * body.stiffest() / within.width(&body.geometry, &support.surface);
                         let stiffness = components.map(|held| if held { stiff } else { 0.0 });

@@ -1,37 +1,38 @@
-//! What a body is made of, and where.
+//! Materials of a body, and the portions of the body that they fill.
 
 use std::f64::consts::PI;
 
 use crate::material::{Material, Maxwell, Pruned, Window};
 use crate::scene::{Parts, Scene, Vec3};
 
-/// A part of the body of one material.
+/// Part of the body with one material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// Where.
+    /// Portion of the body.
     pub portion: Portion,
-    /// What it is made of.
+    /// Material used in the run: if the material is viscoelastic, with the reduced chain of `pruned`.
     pub material: Material,
-    /// Its relaxation as the scene has it, at the body's temperature.
+    /// Generalised Maxwell chain of the shear modulus from the scene, at the temperature of the body; `None` if
+    /// elastic.
     pub given: Option<Maxwell>,
-    /// How its relaxation was shortened to what the run can tell, where it relaxes: `material` has what is followed.
+    /// Chain with only the terms that have an effect within the run, and its error bound; `None` if elastic.
     pub pruned: Option<Pruned>,
-    /// Force on its volume, its weight included where that acts, N/m³.
+    /// Force per volume, with the weight if gravity acts, N/m³.
     pub force: Vec3,
 }
 
-/// Where a part of the body is. Portions do not overlap, and are all of the body.
+/// Portion of the body. Portions do not overlap, and together they fill the body.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Portion {
-    /// Everywhere.
+    /// Whole body.
     All,
-    /// Between two heights, m.
+    /// Layer between two z coordinates, m.
     Layer([f64; 2]),
-    /// A physical volume of a mesh file.
+    /// Physical volume of a mesh file, by name.
     Volume(String),
 }
 
-/// The parts of a scene's body: one where its layers are alike. Layers ascend along z.
+/// Parts of the body of a scene, layers in ascending order of z. A body with identical layers has one part.
 pub(super) fn parts(scene: &Scene) -> Vec<Part> {
     let composition = &scene.body.composition;
     let window = window(scene);
@@ -61,24 +62,26 @@ pub(super) fn parts(scene: &Scene) -> Vec<Part> {
     }
 }
 
-/// Half periods in a contact of the fastest strain that matters: of the spectrum of half a sine, 1% is left there.
+/// Highest relevant angular frequency of the strain, times contact time over π. At this frequency the spectrum of a
+/// half sine (the contact force) has fallen to 1% of its value at zero.
 const FASTEST: f64 = 10.0;
 
-/// Part of the scene's tolerance that the terms of a relaxation may take which are not followed.
-const OF_TOLERANCE: f64 = 0.1;
+/// Share of the scene's tolerance for the error from the omitted relaxation terms.
+const UNFOLLOWED_SHARE: f64 = 0.1;
 
-/// What a scene's run can tell of a relaxation.
+/// Time scales of the impact and tolerance, which decide which relaxation terms are omitted.
 fn window(scene: &Scene) -> Window {
     Window {
         end: scene.time.end,
         frequency: FASTEST * PI / scene.impactor.contact_time(),
-        tolerance: OF_TOLERANCE * scene.tolerance,
+        tolerance: UNFOLLOWED_SHARE * scene.tolerance,
     }
 }
 
 impl super::Description {
-    /// The relaxations that differ as they are given, each as it is followed, with the numbers of the parts that have it. None of their terms
-    /// may be left to follow: what of a body goes with a chain is known all the same.
+    /// Different relaxations of the body: each reduced chain with the numbers of the parts that have it. Parts are
+    /// grouped by the chain of the scene. A reduced chain may have no terms; it is listed all the same, so that its
+    /// parts are known to be viscoelastic.
     pub fn relaxations(&self) -> Vec<(&Maxwell, Vec<usize>)> {
         let mut found: Vec<(&Part, Vec<usize>)> = Vec::new();
         for (number, part) in self.parts.iter().enumerate().filter(|(_, part)| part.pruned.is_some()) {

@@ -1,43 +1,43 @@
-//! Where on the body's surface a term acts.
+//! Regions of the body's surface on which supports and loads act.
 
 use crate::scene::{Geometry, Scene, Vec3, Within, faces};
 
-/// A part of the surface, as convex parts that do not overlap.
+/// Region of the surface: a union of convex places that do not overlap.
 pub type Region = Vec<Place>;
 
-/// A named surface, or what a convex extent of space has of it.
+/// Named surface, or the part of it within a convex extent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
-    /// Name of the surface: of a box, or a physical name of a mesh.
+    /// Name of the surface: a face or group of faces of a box, or a physical name of a mesh.
     pub surface: String,
-    /// The space within which it counts.
+    /// Extent within which the surface belongs to the place.
     pub extent: Extent,
 }
 
-/// A convex extent of space.
+/// Convex extent of space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Extent {
-    /// All of it.
+    /// Whole space.
     All,
-    /// A box with its faces along the axes: least and largest coordinates, m.
+    /// Box with faces normal to the axes: smallest and largest coordinates, m.
     Box([Vec3; 2]),
-    /// A ball.
+    /// Ball.
     Ball {
-        /// Its centre, m.
+        /// Centre, m.
         centre: Vec3,
-        /// Its radius, m.
+        /// Radius, m.
         radius: f64,
     },
 }
 
-/// What a scene means by a surface and `within`.
+/// Region for a surface of a scene and its optional `within`.
 pub fn region(scene: &Scene, surface: &str, within: Option<Within>) -> Region {
     let all = |extent: Extent| vec![Place { surface: surface.to_owned(), extent }];
     match (within, &scene.body.geometry) {
         (None, _) => all(Extent::All),
         (Some(Within::Box(corners)), _) => all(Extent::Box(corners)),
         (Some(Within::Ball { centre, radius }), _) => all(Extent::Ball { centre, radius }),
-        // The check of a scene leaves no rim to a mesh file.
+        // The check of the scene rejects a rim on a mesh file.
         (Some(Within::Rim(_)), Geometry::Gmsh(_)) => Vec::new(),
         (Some(Within::Rim(width)), Geometry::Box { size, .. }) => {
             let of_face = |&(axis, upper): &faces::Face| {
@@ -49,12 +49,13 @@ pub fn region(scene: &Scene, surface: &str, within: Option<Within>) -> Region {
     }
 }
 
-/// The strips along the four edges of the faces across an axis: two as long as their edges, and two between these.
+/// Strips of a width (m) along the four edges of a face normal to an axis. Two strips have the full length of their
+/// edges; the other two lie between these.
 fn rim(size: Vec3, across: usize, width: f64) -> Vec<Extent> {
     let everything = [[f64::NEG_INFINITY; 3], [f64::INFINITY; 3]];
     let [first, second] = faces::along(across);
     let inner = [first, second].map(|axis| 0.5 * size[axis] - width);
-    // Strips that meet in the middle are the whole face.
+    // Opposite strips meet: they cover the whole face.
     if inner.iter().any(|inner| *inner <= 0.0) {
         return vec![Extent::All];
     }

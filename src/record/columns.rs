@@ -1,4 +1,4 @@
-//! The datasets of a series and of a table of contacts, and how rows are put into them.
+//! Datasets of a series and of a table of contacts, and writing of rows to them.
 
 use crate::error::Error;
 use crate::impact::step::Step;
@@ -8,15 +8,15 @@ use hdf5_metno as hdf5;
 use hdf5_metno::plist::dataset_create::FillTime;
 use std::path::Path;
 
-/// A dataset: its path in the file, its unit, and its value in one record.
+/// Dataset: its path in the file, its unit, and the function that returns its value from a record.
 pub(super) struct Column<T> {
     pub path: &'static str,
     pub units: &'static str,
     pub value: fn(&T) -> f64,
 }
 
-/// Every dataset under `/series`. The time is last: HDF5 flushes in the order of the addresses, so that after a kill
-/// within a flush no dataset is shorter than the time.
+/// All datasets under `/series`. The time is last: HDF5 flushes in the order of the addresses, so after a kill during a
+/// flush no dataset is shorter than the time.
 pub(super) const SERIES: [Column<Step>; 16] = [
     column("series/impactor/position", "m", |s| s.impactor.position),
     column("series/impactor/velocity", "m/s", |s| s.impactor.velocity),
@@ -36,7 +36,7 @@ pub(super) const SERIES: [Column<Step>; 16] = [
     column("series/time", "s", |s| s.time),
 ];
 
-/// Every dataset under `/contacts`.
+/// All datasets under `/contacts`.
 pub(super) const CONTACTS: [Column<Episode>; 5] = [
     column("contacts/start", "s", |e| e.start),
     column("contacts/end", "s", |e| e.end),
@@ -49,7 +49,7 @@ const fn column<T>(path: &'static str, units: &'static str, value: fn(&T) -> f64
     Column { path, units, value }
 }
 
-/// HDF5's error as one line: the system's reason where there is one, as on a full disk.
+/// Error of HDF5 in one line. It gives the reason from the operating system if there is one, for example a full disk.
 pub(super) fn not_written(path: &Path, error: &hdf5::Error) -> Error {
     let text = error.to_string();
     let system = text.split_once("error message = '").and_then(|(_, rest)| rest.split('\'').next());
@@ -57,7 +57,7 @@ pub(super) fn not_written(path: &Path, error: &hdf5::Error) -> Error {
     Error::io(path, format!("cannot be written: {reason}"))
 }
 
-/// Empty datasets that grow, a column each.
+/// Creates an empty, extensible dataset for each column; `chunk` is the number of rows in a chunk.
 pub(super) fn new_datasets<T>(
     file: &hdf5::File,
     columns: &[Column<T>],
@@ -68,7 +68,8 @@ pub(super) fn new_datasets<T>(
             .new_dataset::<f64>()
             .shape((0..,))
             .chunk((chunk,))
-            // Without a cache and a fill value, only new rows are written, and the rest of a chunk stays a hole.
+            // Without a chunk cache and a fill value, only new rows are written; the rest of a chunk is a hole in the
+            // file.
             .chunk_cache(0, 0, 1.0)
             .fill_time(FillTime::Never)
             .create(column.path)?;
@@ -78,7 +79,7 @@ pub(super) fn new_datasets<T>(
     columns.iter().map(new).collect()
 }
 
-/// Writes `records` to the rows from `first` on, and cuts the datasets behind them.
+/// Writes `records` to the rows from `first` on, and cuts the datasets after them.
 pub(super) fn append<T>(
     datasets: &[hdf5::Dataset],
     columns: &[Column<T>],

@@ -1,4 +1,4 @@
-//! Contact episodes: when, how hard, and with what impulse the impactor and the body touch.
+//! Contact episodes: their start and end, peak force and impulse.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,37 +6,37 @@ use crate::error::Result;
 use crate::impact::checkpoint::Visitor;
 use crate::impact::step::Step;
 
-/// One uninterrupted contact: a maximal run of consecutive steps with F > 0.
+/// Uninterrupted contact: a maximal sequence of consecutive steps with F > 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Episode {
-    /// Where α rises through zero, s: between the last step without force and the first with it.
+    /// Time at which α rises through zero, s: between the last step without force and the first step with force.
     pub start: f64,
-    /// Where α falls through zero, s; the last step so far while the contact lasts.
+    /// Time at which α falls through zero, s; the time of the last step while the contact lasts.
     pub end: f64,
     /// Largest F at a step, N.
     pub peak_force: f64,
-    /// Step of the largest F, s.
+    /// Time of the step with the largest F, s.
     pub peak_time: f64,
-    /// ∫ F dt, N s, by the momentum that the impactor gave.
+    /// Impulse ∫ F dt from the change of the impactor's momentum, N s.
     pub impulse: f64,
 }
 
-/// The episodes of a stream of steps.
+/// Contact episodes of a sequence of steps.
 #[derive(Debug, Clone)]
 pub struct Episodes {
-    /// Of the impactor, kg.
+    /// Mass of the impactor, kg.
     mass: f64,
     all: Vec<Episode>,
     last: Option<Step>,
 }
 
 impl Episodes {
-    /// None yet, of an impactor's mass (kg).
+    /// Starts without episodes; `mass` is the mass of the impactor, kg.
     pub fn new(mass: f64) -> Self {
         Self { mass, all: Vec::new(), last: None }
     }
 
-    /// Takes the next step; steps come in the order of time, none left out.
+    /// Adds the next step. Steps must come in the order of time, without gaps.
     pub fn push(&mut self, step: &Step) {
         let last = self.last.replace(*step);
         let was_open = last.is_some_and(|last| last.contact.force > 0.0);
@@ -69,15 +69,15 @@ impl Episodes {
         }
     }
 
-    /// To a checkpoint or from it.
+    /// Saves the episodes to a checkpoint or restores them from it.
     ///
     /// # Errors
-    /// Those of [`Visitor`].
+    /// Same as [`Visitor`].
     pub fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         let mut count = self.all.len();
         visitor.count("episodes", &mut count)?;
         if visitor.is_restoring() {
-            // One by one, for a wrong count must not take all memory.
+            // Elements are added one by one, so that a wrong count does not exhaust the memory.
             self.all.clear();
         }
         for number in 0..count {
@@ -108,19 +108,19 @@ impl Episodes {
         &self.all
     }
 
-    /// The last step that was taken.
+    /// Last step added.
     pub fn last(&self) -> Option<&Step> {
         self.last.as_ref()
     }
 
-    /// Whether the contact lasts at the last step.
+    /// Whether the body and the impactor are in contact at the last step.
     pub fn is_open(&self) -> bool {
         self.last.is_some_and(|last| last.contact.force > 0.0)
     }
 }
 
-/// Time at which δ, and with it α, is zero between two steps: on the cubic through both values and rates, found by bisection; one of
-/// the two where δ does not change its sign.
+/// Time between two steps at which δ (and with it α) is zero. It is a root of the cubic Hermite interpolant of values
+/// and rates, found by bisection. If δ does not change its sign, it is the time of the step with the smaller |δ|.
 fn crossing(last: &Step, step: &Step) -> f64 {
     let length = step.time - last.time;
     let (from, to) = (last.contact.approach, step.contact.approach);
@@ -133,7 +133,7 @@ fn crossing(last: &Step, step: &Step) -> f64 {
         from * (1.0 - hermite) + to * hermite + x * y * (rate_from * y - rate_to * x)
     };
     let (mut low, mut high) = (0.0, 1.0);
-    // 2⁻⁵³ of the step.
+    // 53 bisections resolve 2⁻⁵³ of the step.
     for _ in 0..53 {
         let middle = 0.5 * (low + high);
         if (cubic(middle) > 0.0) == (from > 0.0) { low = middle } else { high = middle }
@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    /// Episodes of F = k ⟨α⟩ at times n Δt, n = 0 … steps; α and its rate are functions of the time.
+    /// Episodes of F = k ⟨α⟩ at the times n Δt, n = 0 … steps. `alpha` returns α and its rate at a time.
     fn of(alpha: impl Fn(f64) -> (f64, f64), dt: f64, steps: usize) -> Episodes {
         let mut episodes = Episodes::new(2.0);
         for n in 0..=steps {
@@ -179,10 +179,10 @@ mod tests {
 
     #[test]
     fn linear_indentation_is_located_exactly() {
-        // α = 1 − |t − 2|/0.7 is linear around its zeros 1.3 and 2.7, which no step meets.
+        // α = 1 − |t − 2|/0.7 is linear around its zeros 1.3 and 2.7, which lie between steps.
         let episodes = of(|t| (1.0 - (t - 2.0).abs() / 0.7, (2.0 - t).signum() / 0.7), 0.25, 16);
         let [e] = episodes.all() else { panic!("{:?}", episodes.all()) };
-        // Rounding only.
+        // Only rounding errors.
         assert!((e.start - 1.3).abs() < 1e-14 && (e.end - 2.7).abs() < 1e-14);
         assert_eq!((e.peak_force, e.peak_time), (1e3, 2.0));
         assert!(!episodes.is_open());
@@ -197,8 +197,9 @@ mod tests {
             let episodes = of(|t| (t.sin() + 0.3, t.cos()), h, steps);
             let [a, b] = *episodes.all() else { panic!("{:?}", episodes.all()) };
             assert_eq!(a.start, 0.0);
-            // The cubic is off by h⁴/384 max|α⁗|, divided by the slope |α′| = cos z at the zero (0.9 leaves room for the
-            // change of the slope within a step); at the last step count that is rounding.
+            // The error of the cubic is at most h⁴/384 max|α⁗|, divided by the slope |α′| = cos z at the zero. The
+            // factor 0.9 allows for the change of the slope within a step. At the largest number of steps only rounding
+            // errors remain.
             let bound = h.powi(4) / 384.0 / (0.9 * z.cos()) + 1e-14;
             for (time, exact) in [(a.end, PI + z), (b.start, 2.0 * PI - z), (b.end, 3.0 * PI + z)] {
                 assert!((time - exact).abs() < bound, "{time} {exact} {bound}");
@@ -212,7 +213,7 @@ mod tests {
         let mut episodes = Episodes::new(2.0);
         let (mut velocity, mut last) = (1.0, 0.0);
         for (n, f) in forces.into_iter().enumerate() {
-            // Newmark's method with γ = 1/2.
+            // Velocity by Newmark's method with γ = 1/2.
             velocity -= 0.5 * (last + f) * 0.5 / 2.0;
             last = f;
             let mut step = step(n, n as f64 * 0.5, (if f > 0.0 { f } else { -1.0 }, 0.0), f);

@@ -1,4 +1,4 @@
-//! The largest values of a result's series.
+//! Largest values of the series of a result.
 
 use std::path::Path;
 
@@ -9,57 +9,57 @@ use crate::error::{Error, Result};
 use crate::record::read::open;
 use crate::record::stress::LargestTension;
 
-/// A value of a series and its time.
+/// Value of a series and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Extreme {
-    /// In the unit of its series.
+    /// Value, in the unit of its series.
     pub value: f64,
-    /// s.
+    /// Time, s.
     pub time: f64,
 }
 
-/// The largest values of a run's recorded rows.
+/// Largest values of a run. The force and the tension include all steps, the other values only the recorded rows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Extremes {
-    /// m/s².
+    /// Largest deceleration F/m0 of the impactor, m/s².
     pub acceleration: Extreme,
-    /// N.
+    /// Largest contact force, N.
     pub force: Extreme,
-    /// The displacement of the surface under the impactor of the largest magnitude, m.
+    /// Displacement of the surface under the impactor with the largest magnitude, signed, m.
     pub deflection: Extreme,
-    /// The largest tension on the faces, where stresses were read.
+    /// Largest tension on the faces; `None` if no stresses were read.
     pub tension: Option<TensionExtreme>,
-    /// In the order of their names.
+    /// Largest values at each probe, in the order of the names of the probes.
     pub probes: Vec<ProbeExtremes>,
 }
 
-/// The largest tension of a run.
+/// Largest tension of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TensionExtreme {
-    /// How large, when and where.
+    /// Value, time and position of the largest tension.
     #[serde(flatten)]
     pub largest: LargestTension,
-    /// On which face.
+    /// Name of the face.
     pub face: String,
 }
 
-/// The largest values at a probe.
+/// Largest values at a probe in the recorded rows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ProbeExtremes {
-    /// The probe's name.
+    /// Name of the probe.
     pub name: String,
-    /// Length of the displacement, m.
+    /// Magnitude of the displacement, m.
     pub displacement: Extreme,
-    /// Length of the velocity, m/s.
+    /// Magnitude of the velocity, m/s.
     pub velocity: Extreme,
-    /// Largest principal stress (tension), Pa.
+    /// Largest principal stress, Pa; tension is positive.
     pub tension: Extreme,
 }
 
-/// Reads the largest values of the result `path`; `None` while it has no row.
+/// Reads the largest values of the result `path`; `None` if it has no row yet.
 ///
 /// # Errors
-/// [`Error::Io`] as [`super::read::history`].
+/// Same as [`super::read::history`]; [`Error::Io`] if a series cannot be read.
 pub fn extremes(path: &Path) -> Result<Option<Extremes>> {
     let file = open(path)?;
     of(&file).map_err(|error| Error::io(path, format!("its series cannot be read: {error}")))
@@ -93,7 +93,7 @@ fn of(file: &hdf5::File) -> hdf5::Result<Option<Extremes>> {
             });
         }
     }
-    // Contacts know their peaks whatever rows are recorded.
+    // Contact episodes have their peaks from all steps, recorded or not.
     let of_contacts = |name: &str| file.dataset(&format!("contacts/{name}"))?.read_raw::<f64>();
     let peaks = of_contacts("peak_force")?.into_iter().zip(of_contacts("peak_time")?);
     let peaks = peaks.map(|(value, time)| Extreme { value, time });

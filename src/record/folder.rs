@@ -1,4 +1,4 @@
-//! A folder of results, each of which appears whole or not at all.
+//! Folder of results. Each file in it appears complete or not at all.
 
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -7,17 +7,17 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::record::target;
 
-/// A folder that is there and can be written to.
+/// Folder that exists and is writable.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
 }
 
 impl Folder {
-    /// Makes the folder, and those above it, where they are not there yet.
+    /// Creates the folder and its missing parent folders.
     ///
     /// # Errors
-    /// [`Error::Io`] where that cannot be done, or no file can be made in it.
+    /// [`Error::Io`] if the folder cannot be created, or if no file can be created in it.
     pub fn create(path: &Path) -> Result<Self> {
         let folder = Self { path: path.to_owned() };
         let probe = folder.part("probe".as_ref());
@@ -28,10 +28,11 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Refuses to replace files of others that have the names of `results`; `are_ours` tells whether those that are there are this program's.
+    /// Checks that no foreign file with a name in `results` would be replaced. `are_ours` says whether existing files
+    /// of these names are from this program.
     ///
     /// # Errors
-    /// [`Error::Io`] with what is there.
+    /// [`Error::Io`] with the name of the foreign file.
     pub fn check_ours(&self, results: &[&str], are_ours: bool) -> Result<()> {
         match results.iter().find(|there| !are_ours && self.path.join(there).exists()) {
             Some(there) => self.refuse(&format!("has a file {there} that is not of this program")),
@@ -39,11 +40,11 @@ impl Folder {
         }
     }
 
-    /// Keeps in the file `name` the text that the folder's results are of, so that those of another text do not mix with them; files of
-    /// others stay, as by [`Self::check_ours`].
+    /// Writes `text`, which identifies the results of the folder, to the file `name`. Results of different texts
+    /// therefore do not mix. Foreign files are not replaced, see [`Self::check_ours`].
     ///
     /// # Errors
-    /// [`Error::Io`] with what is there.
+    /// [`Error::Io`] if the folder has results of another text or a foreign file, or if writing fails.
     pub fn claim(&self, (name, text): (&str, &str), results: &[&str], are_ours: bool) -> Result<()> {
         match fs::read_to_string(self.path.join(name)) {
             Ok(there) if there == text => return Ok(()),
@@ -57,21 +58,21 @@ impl Folder {
         Err(Error::io(&self.path, format!("{why}: choose another folder")))
     }
 
-    /// The folder that the file `path` is in.
+    /// Folder that contains the file `path`.
     pub fn of(path: &Path) -> Self {
         Self { path: target::folder(path).to_owned() }
     }
 
-    /// Has `write` make a file, which then takes its name in place of an older one. Until then it has another name with the
-    /// same ending.
+    /// Creates a file with `write`, then renames it to `name`, which replaces an older file. Until then the file has a
+    /// temporary name with the same ending.
     ///
     /// # Errors
-    /// Those of `write`; [`Error::Io`] when the file cannot take its name.
+    /// Same as `write`; [`Error::Io`] if the file cannot be renamed.
     pub fn put(&self, name: impl AsRef<OsStr>, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
         let (part, path) = (self.part(name.as_ref()), self.path.join(name.as_ref()));
         let done = write(&part).and_then(|()| fs::rename(&part, &path).map_err(|e| Error::io(&path, e)));
         if done.is_err() {
-            // The error in hand says more than one of the removal would.
+            // The present error says more than an error of the removal.
             let _ = fs::remove_file(&part);
         }
         done
@@ -101,7 +102,7 @@ mod tests {
         assert!(failed.is_err());
         assert_eq!(fs::read_to_string(path.join("x.csv")).unwrap(), "first");
         assert_eq!(fs::read_dir(&path).unwrap().count(), 1);
-        // Where a file stands, there is no folder.
+        // A folder cannot be created where a file exists.
         let error = Folder::create(&path.join("x.csv")).unwrap_err();
         assert_eq!(error.status(), 4);
         assert!(error.to_string().contains("x.csv: is no folder that can be written to"), "{error}");

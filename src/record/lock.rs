@@ -1,4 +1,4 @@
-//! One run at a time on a result.
+//! Lock that allows only one run at a time to write a result.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::os::unix::fs::MetadataExt;
@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::record::{checkpoint, fields, target};
 
-/// A file beside a result that is locked while a run writes it. The system lifts the lock when the process ends, however it ends.
+/// File in the folder of a result, locked while a run writes the result. The system releases the lock when the process
+/// ends in any way.
 pub struct Lock {
     path: PathBuf,
-    /// Holds the lock while it is open.
+    /// Keeps the lock while it is open.
     _file: File,
 }
 
@@ -18,8 +19,8 @@ impl Lock {
     /// Takes the lock of the result at `path`.
     ///
     /// # Errors
-    /// [`Error::Io`] where another run has it, where no file can be made there, and where the name is that of a file that goes with
-    /// another result.
+    /// [`Error::Io`] if another run has the lock, if no file can be created there, or if the name is reserved for the
+    /// fields or the checkpoint of another result.
     pub fn take(path: &Path) -> Result<Self> {
         let name = target::resolved(path).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let of_others = fields::ENDINGS.into_iter().chain([checkpoint::ENDING]);
@@ -41,13 +42,13 @@ impl Lock {
                 Err(TryLockError::WouldBlock) => {
                     return Err(Error::io(path, "is being written by another run, which is not finished with it"));
                 }
-                // File systems without locks: then nothing is known of others.
+                // File systems without locks: other runs cannot be detected.
                 Err(TryLockError::Error(error)) => {
                     tracing::debug!("no lock beside {}: {error}", path.display());
                     false
                 }
             };
-            // The one before may have removed it between its opening and its lock.
+            // The previous owner may have removed the file between opening and locking it here.
             let of = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
             let (held, there) = (file.metadata().map(of), fs::metadata(&beside).map(of));
             if let (Ok(held), Ok(there)) = (held, there)
@@ -65,7 +66,7 @@ impl Lock {
 }
 
 impl Drop for Lock {
-    /// Removes the file, which nobody else can have locked; an error has nobody to go to.
+    /// Removes the lock file. No other process can have it locked. Errors are ignored.
     fn drop(&mut self) {
         let _ = fs::remove_file(&self.path);
     }

@@ -1,4 +1,4 @@
-//! What is written of a run, and what is read back: HDF5 files.
+//! Writing and reading of results: HDF5 files.
 
 pub mod checkpoint;
 mod columns;

@@ -1,4 +1,4 @@
-//! The datasets of probes, `/series/probe/<name>/…`: three values a row.
+//! Datasets of probes, `/series/probe/<name>/…`, with three values in each row.
 
 use hdf5_metno as hdf5;
 use hdf5_metno::plist::dataset_create::FillTime;
@@ -8,17 +8,17 @@ use crate::impact::Probe;
 use crate::record::provenance::write_text;
 use crate::scene::Vec3;
 
-/// Name, unit and value of what a probe reads.
+/// Name, unit and value of one quantity of a probe.
 type Column = (&'static str, &'static str, fn(&Probe) -> Vec3);
 
-/// All of it.
+/// Quantities of a probe, in the order of [`PUT`] and [`Whole`].
 const COLUMNS: [Column; 3] = [
     ("displacement", "m", |probe| probe.displacement),
     ("velocity", "m/s", |probe| probe.velocity),
     ("principal_stress", "Pa", |probe| probe.principal_stress),
 ];
 
-/// The first rows of some probes of a result, each with a reading of every probe.
+/// First `rows` rows of the probes `names` of a result: for each row the values of every probe.
 pub(super) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<Probe>>> {
     let mut all = vec![vec![Probe::default(); names.len()]; rows];
     for (number, name) in names.iter().enumerate() {
@@ -36,10 +36,10 @@ pub(super) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Re
     Ok(all)
 }
 
-/// What a probe has read in all rows: displacement, velocity, principal stress, three numbers a row.
+/// All rows of a probe: displacement, velocity and principal stress, three numbers in each row.
 pub(super) type Whole = [Vec<f64>; 3];
 
-/// Adds a row.
+/// Appends the values of a probe at one step.
 pub(super) fn push(whole: &mut Whole, probe: &Probe) {
     whole.iter_mut().zip(COLUMNS).for_each(|(values, (_, _, value))| values.extend(value(probe)));
 }
@@ -55,22 +55,22 @@ pub(super) fn write(file: &hdf5::File, parent: &str, name: &str, whole: &Whole) 
     Ok(())
 }
 
-/// Reads them.
+/// Reads all rows of a probe from the group `parent`.
 pub(super) fn read(file: &hdf5::File, parent: &str, name: &str) -> hdf5::Result<Whole> {
     let column = |of: &str| file.dataset(&format!("{parent}/probe/{name}/{of}"))?.read_raw::<f64>();
     let [displacement, velocity, stress] = COLUMNS.map(|(of, ..)| column(of));
     Ok([displacement?, velocity?, stress?])
 }
 
-/// Where the value of each column goes.
+/// Field of [`Probe`] that receives each of [`COLUMNS`].
 const PUT: [fn(&mut Probe) -> &mut Vec3; 3] =
     [|probe| &mut probe.displacement, |probe| &mut probe.velocity, |probe| &mut probe.principal_stress];
 
-/// The datasets of all probes, in the order of the scene.
+/// Datasets of all probes, in the order of the scene.
 pub(super) struct ProbeDatasets(Vec<[hdf5::Dataset; 3]>);
 
 impl ProbeDatasets {
-    /// Empty ones, which grow; a chunk holds so many rows.
+    /// Creates empty, extensible datasets; `chunk` is the number of rows in a chunk.
     pub fn new(file: &hdf5::File, names: &[String], chunk: usize) -> hdf5::Result<Self> {
         let new = |name: &String| {
             let [a, b, c] = COLUMNS.map(|(column, units, _)| {
@@ -78,7 +78,7 @@ impl ProbeDatasets {
                     .new_dataset::<f64>()
                     .shape((0.., 3))
                     .chunk((chunk, 3))
-                    // As of the series: only new rows are written, the rest of a chunk stays a hole.
+                    // As for the series: only new rows are written; the rest of a chunk is a hole in the file.
                     .chunk_cache(0, 0, 1.0)
                     .fill_time(FillTime::Never)
                     .create(format!("series/probe/{name}/{column}").as_str())?;
@@ -90,7 +90,7 @@ impl ProbeDatasets {
         names.iter().map(new).collect::<hdf5::Result<_>>().map(Self)
     }
 
-    /// Writes rows, each with a reading of every probe, from a row on, and cuts the datasets behind them.
+    /// Writes rows, each with the values of every probe, from the row `first` on, and cuts the datasets after them.
     pub fn append(&self, first: usize, rows: &[Vec<Probe>]) -> hdf5::Result<()> {
         let end = first + rows.len();
         for (number, datasets) in self.0.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Where a result comes from: the attributes of the root of a result file.
+//! Provenance of a result: the attributes of the root of a result file.
 
 use std::fs::File;
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -8,18 +8,18 @@ use std::path::Path;
 use hdf5_metno::types::VarLenUnicode;
 use hdf5_metno::{H5Type, Location, Result};
 
-/// Everything that is needed to tell, and to repeat, how a result was made.
+/// Data needed to identify and to repeat the run that made a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
-    /// Tells the run from others; a run that goes on keeps it.
+    /// Identifies the run; random. A continued run keeps it.
     pub run_id: u64,
     /// Title of the scene.
     pub title: String,
-    /// The scene's full text.
+    /// Full text of the scene.
     pub scene: String,
-    /// The folder that the scene's mesh file is relative to.
+    /// Folder to which the path of the scene's mesh file is relative.
     pub folder: String,
-    /// Digest of that mesh file, where there is one.
+    /// Digest of the mesh file; `None` if the scene has none.
     pub mesh_digest: Option<String>,
     /// Version of the program.
     pub version: String,
@@ -33,29 +33,29 @@ pub struct Provenance {
     pub ranks: usize,
     /// Theory of the body: `solid`, `kirchhoff`, …
     pub model: String,
-    /// More of the model; results of earlier versions have none.
+    /// Further details of the model; `None` for results of earlier versions.
     pub model_details: Option<ModelDetails>,
-    /// Reduction of the body: `none`, or how many basis vectors of which kind.
+    /// Reduction of the body: `none`, or the number and kind of the basis vectors.
     pub reduction: String,
-    /// Number of unknowns, the impactor's included.
+    /// Number of unknowns, including the impactor's.
     pub unknowns: usize,
-    /// m0, kg: what impulses are computed with.
+    /// Mass m0 of the impactor, with which impulses are computed, kg.
     pub impactor_mass: f64,
-    /// Number of rows that the run will record, where the steps are fixed: it sizes the chunks of the series, so
-    /// that a run that keeps to it never has to enlarge the file.
+    /// Number of rows that the run will record if the time steps are fixed. It determines the chunk size of the series,
+    /// so that a run with this number of rows never has to enlarge the file.
     pub planned_rows: Option<usize>,
 }
 
-/// What a report says of a model beside its name.
+/// Description of a model for reports, in addition to its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelDetails {
-    /// The discretisation in words.
+    /// Discretisation in words.
     pub discretisation: String,
-    /// Why the program has selected this theory; empty where the scene names it.
+    /// Reason why the program selected this theory; empty if the scene names the theory.
     pub reason: String,
-    /// What the error before the first step is estimated of, in words; empty where nothing is.
+    /// Causes included in the error estimate made before the first step, in words; empty if there is no estimate.
     pub error_causes: String,
-    /// That error in the first contact, of the acceleration over its peak; NaN where there is no estimate.
+    /// That estimate: error of the acceleration in the first contact divided by its peak; NaN if there is no estimate.
     pub first_contact_error: f64,
 }
 
@@ -83,27 +83,27 @@ impl ModelDetails {
     }
 }
 
-/// What a run has cost, and how good it is: attributes of the root, made with the file and filled in at the end.
+/// Cost and estimated error of a run: attributes of the root, created with the file and set at the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// Wall time of choosing the theory, reading or making the mesh, assembling the body and its basis, s.
+    /// Wall time to choose the theory, read or make the mesh, and assemble the body and its basis, s.
     pub model: f64,
-    /// Wall time of what steps need before the first of them, as factorisations, s.
+    /// Wall time of preparations before the first step, such as factorisations, s.
     pub setup: f64,
     /// Wall time of all steps, s.
     pub steps: f64,
-    /// Wall time of everything, s.
+    /// Total wall time, s.
     pub total: f64,
     /// Newton iterations of all steps.
     pub newton_iterations: usize,
-    /// Steps taken, those that were rejected and those of the error estimate included.
+    /// Number of steps solved, including the rejected ones and the ones for the error estimate.
     pub solves: usize,
-    /// Estimated error of the acceleration history over its peak; NaN where there is no estimate.
+    /// Estimated error of the acceleration history divided by its peak; NaN if there is no estimate.
     pub error_estimate: f64,
 }
 
 impl Cost {
-    /// Before the end.
+    /// Values before the end of the run.
     pub(super) const UNKNOWN: Self = Self {
         model: f64::NAN,
         setup: f64::NAN,
@@ -138,7 +138,7 @@ impl Cost {
         Ok(())
     }
 
-    /// Reads what [`Self::write`] has written.
+    /// Reads the attributes written by [`Self::write`].
     pub(super) fn read(root: &Location) -> Result<Self> {
         let number = |name: &str| root.attr(name)?.read_scalar::<f64>();
         let count = |name: &str| root.attr(name)?.read_scalar::<u64>().map(|count| count as usize);
@@ -153,7 +153,7 @@ impl Cost {
         })
     }
 
-    /// Overwrites in place, so that nothing in the file moves.
+    /// Overwrites the attributes in place, so that nothing in the file moves.
     pub(super) fn update(&self, root: &Location) -> Result<()> {
         for (name, number) in self.numbers() {
             root.attr(name)?.write_scalar(&number)?;
@@ -165,14 +165,14 @@ impl Cost {
     }
 }
 
-/// A new `run_id`: two runs have the same by a chance of 2⁻⁶⁴.
+/// New random `run_id`. Two runs have the same id with a probability of 2⁻⁶⁴.
 pub fn new_run_id() -> u64 {
-    // What std has of the system's random numbers.
+    // The hasher of the standard library is seeded with random numbers of the system.
     RandomState::new().build_hasher().finish()
 }
 
 impl Provenance {
-    /// Writes one attribute a field at `root`; a `None` is left out.
+    /// Writes one attribute of `root` for each field; a field that is `None` is left out.
     pub(super) fn write(&self, root: &Location) -> Result<()> {
         for (name, text) in [
             ("title", &self.title),
@@ -203,7 +203,7 @@ impl Provenance {
         Ok(())
     }
 
-    /// Reads what [`Self::write`] has written.
+    /// Reads the attributes written by [`Self::write`].
     pub(super) fn read(root: &Location) -> Result<Self> {
         let words = |name: &str| text(root, name);
         let count = |name: &str| root.attr(name)?.read_scalar::<u64>().map(|count| count as usize);
@@ -216,7 +216,7 @@ impl Provenance {
             version: words("version")?,
             commit: words("commit")?,
             petsc_version: words("petsc_version")?,
-            // Earlier versions recorded the option that every session sets itself.
+            // Earlier versions recorded this option, which the program always sets itself.
             petsc_options: words("petsc_options")?.replace("-no_signal_handler", "").trim().to_owned(),
             ranks: count("ranks")?,
             model: words("model")?,
@@ -229,20 +229,20 @@ impl Provenance {
     }
 }
 
-/// FNV-1a of no bytes.
-const OF_NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
+/// Initial value of the 64-bit FNV-1a hash: the hash of no bytes.
+const FNV_OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// FNV-1a of bytes, the same in all versions of the program.
+/// FNV-1a hash of bytes, the same in all versions of the program.
 pub fn digest(bytes: &[u8]) -> u64 {
-    digested(OF_NOTHING, bytes)
+    digested(FNV_OFFSET_BASIS, bytes)
 }
 
-/// The same of a file, which is read piece by piece.
+/// FNV-1a hash of a file, which is read piece by piece.
 ///
 /// # Errors
-/// Of a file that cannot be read.
+/// If the file cannot be read.
 pub fn digest_of_file(path: &Path) -> std::io::Result<u64> {
-    let (mut file, mut hash) = (BufReader::new(File::open(path)?), OF_NOTHING);
+    let (mut file, mut hash) = (BufReader::new(File::open(path)?), FNV_OFFSET_BASIS);
     loop {
         let piece = file.fill_buf()?;
         if piece.is_empty() {
@@ -254,23 +254,23 @@ pub fn digest_of_file(path: &Path) -> std::io::Result<u64> {
     }
 }
 
-/// FNV-1a of more bytes behind those of a hash.
+/// Extends an FNV-1a hash by more bytes.
 fn digested(hash: u64, bytes: &[u8]) -> u64 {
     bytes.iter().fold(hash, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// A new text attribute. A variable-length string, since fixed ones end at 64 KiB.
+/// Creates a text attribute. It is a variable-length string, because fixed-length ones are limited to 64 KiB.
 pub(super) fn write_text(at: &Location, name: &str, text: &str) -> Result<()> {
     let text: VarLenUnicode = text.parse().map_err(|_| format!("attribute {name}: the text holds a NUL character"))?;
     write_scalar(at, name, text)
 }
 
-/// A text attribute.
+/// Reads a text attribute.
 pub(super) fn text(at: &Location, name: &str) -> Result<String> {
     at.attr(name)?.read_scalar::<VarLenUnicode>().map(|text| text.to_string())
 }
 
-/// A new attribute of one value.
+/// Creates an attribute with one value.
 pub(super) fn write_scalar<T: H5Type>(at: &Location, name: &str, value: T) -> Result<()> {
     at.new_attr::<T>().create(name)?.write_scalar(&value)
 }

@@ -1,4 +1,4 @@
-//! Any series of a result, read back for a figure.
+//! Reads any series of a result for a figure.
 
 use crate::error::{Error, Result};
 use crate::record::columns::SERIES;
@@ -8,36 +8,36 @@ use crate::record::stress::STRESS_MAP;
 use hdf5_metno as hdf5;
 use std::path::Path;
 
-/// A quantity over time.
+/// Quantity over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
     /// Title of the scene; may be empty.
     pub title: String,
-    /// What it is called.
+    /// Name for the axis of a figure.
     pub label: String,
-    /// Its unit, as the file has it.
+    /// Unit, as stored in the file.
     pub units: String,
     /// Time of each row, s.
     pub time: Vec<f64>,
-    /// One, or some components.
+    /// Components; one for a scalar.
     pub parts: Vec<Part>,
     /// Start and end of each contact episode, s.
     pub contacts: Vec<(f64, f64)>,
 }
 
-/// A component of a quantity.
+/// Component of a quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// Its name; empty where it is the only one.
+    /// Name of the component; empty for the only one.
     pub name: String,
-    /// Its value in each row.
+    /// Value in each row.
     pub values: Vec<f64>,
 }
 
-/// A name for a dataset.
+/// Short name of a dataset.
 struct Named {
     name: &'static str,
-    /// Below `/series`.
+    /// Path below `/series`.
     dataset: &'static str,
     label: &'static str,
 }
@@ -60,11 +60,13 @@ const STRESS: &str = "stress";
 /// The name of all energies together.
 const ENERGY: &str = "energy";
 
-/// Reads a quantity of the result `path`: by a name as `force`, or by that of a dataset below `/series`. After a kill, datasets may differ in
-/// length by one flush: the rows are those that all have.
+/// Reads a quantity of the result `path`. The name is a short name such as `force`, or the path of a dataset below
+/// `/series`. After a kill, the lengths of the datasets may differ by the rows of one flush; only the rows present in
+/// all of them are returned.
 ///
 /// # Errors
-/// [`Error::Usage`] with what there is, where the result has no such quantity; [`Error::Io`] as [`super::read::history`].
+/// [`Error::Usage`] with the list of available quantities if the result does not have this one; otherwise as for
+/// [`super::read::history`].
 pub fn quantity(path: &Path, name: &str) -> Result<Quantity> {
     let file = open(path)?;
     check_run(&file, path)?;
@@ -114,12 +116,12 @@ pub fn quantity(path: &Path, name: &str) -> Result<Quantity> {
     Ok(Quantity { title, label, units, time, parts, contacts })
 }
 
-/// A dataset below `/series` that is there.
+/// Dataset below `/series`; `None` if it does not exist.
 fn series_dataset(file: &hdf5::File, name: &str) -> Option<hdf5::Dataset> {
     file.dataset(&format!("series/{name}")).ok()
 }
 
-/// What a dataset without a name of its own is called.
+/// Label of a dataset without an entry in [`NAMES`].
 fn label(dataset: &str) -> String {
     match dataset.split('/').collect::<Vec<_>>()[..] {
         [ENERGY, part] => format!("{part} energy"),
@@ -130,13 +132,13 @@ fn label(dataset: &str) -> String {
     }
 }
 
-/// The name of a column of a dataset that has some.
+/// Name of a column of a dataset with several columns.
 fn component(dataset: &str, column: usize) -> String {
     let names = if dataset.ends_with("principal_stress") { ["largest", "middle", "smallest"] } else { ["x", "y", "z"] };
     names.get(column).map_or_else(|| column.to_string(), |name| (*name).to_owned())
 }
 
-/// The quantities of a result, by their names.
+/// Names of the quantities available in a result.
 fn there(file: &hdf5::File) -> Vec<String> {
     let is_there = |dataset: &str| series_dataset(file, dataset).is_some();
     let mut there: Vec<String> =

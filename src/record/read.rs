@@ -1,4 +1,4 @@
-//! A result read back, as far as a figure needs it.
+//! Reads results: provenance, series, contacts and stresses.
 
 use crate::error::{Error, Result};
 use crate::impact::Probe;
@@ -13,7 +13,7 @@ use crate::record::target::is_locked;
 use hdf5_metno as hdf5;
 use std::path::Path;
 
-/// The acceleration history of a result.
+/// Acceleration history of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     /// Title of the scene; may be empty.
@@ -24,22 +24,22 @@ pub struct History {
     pub acceleration: Vec<f64>,
     /// Start and end of each contact episode, s.
     pub contacts: Vec<(f64, f64)>,
-    /// ∫ F dt of each, N s.
+    /// Impulse ∫ F dt of each contact episode, N s.
     pub impulses: Vec<f64>,
 }
 
-/// Where a result comes from.
+/// Provenance of a result.
 ///
 /// # Errors
-/// [`Error::Io`] as [`history`].
+/// Same as [`history`].
 pub fn provenance(path: &Path) -> Result<Provenance> {
     origin(path).map(|(provenance, ..)| provenance)
 }
 
-/// Where a result comes from, what it has cost, and whether it came to its end.
+/// Provenance of a result, the cost of its run, and whether the run is complete.
 ///
 /// # Errors
-/// [`Error::Io`] as [`history`].
+/// Same as [`history`]; [`Error::Io`] if attributes are missing.
 pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
     let file = open(path)?;
     check_run(&file, path)?;
@@ -47,10 +47,10 @@ pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
     read().map_err(|e: hdf5::Error| Error::io(path, format!("is not a result of this version of ricochet: {e}")))
 }
 
-/// The first rows of every column of the series of the result `path`, as many as are asked for.
+/// First `rows` rows of every column of the series of the result `path`.
 ///
 /// # Errors
-/// [`Error::Io`] as [`history`], and where there are fewer.
+/// [`Error::Io`] if the file cannot be opened, a column is missing, or there are fewer rows.
 pub fn rows(path: &Path, rows: usize) -> Result<Vec<Vec<f64>>> {
     let file = open(path)?;
     let of_column = |column: &Column<Step>| {
@@ -66,18 +66,19 @@ pub fn rows(path: &Path, rows: usize) -> Result<Vec<Vec<f64>>> {
     SERIES.iter().map(of_column).collect()
 }
 
-/// The first rows of some probes of the result `path`, each with a reading of every probe.
+/// First `rows` rows of the probes `names` of the result `path`: for each row the values of every probe.
 ///
 /// # Errors
-/// [`Error::Io`] as [`rows`].
+/// Same as [`rows`].
 pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Probe>>> {
     probes::rows(&open(path)?, names, rows).map_err(|e| Error::io(path, format!("its probes cannot be read: {e}")))
 }
 
-/// The first rows of a result: the largest tension on each of some faces, and that at the edge of the contact where it is recorded.
+/// First `rows` rows of a result: the largest tension on each of the faces `names`, and the tension at the edge of the
+/// contact if it is recorded. Missing rows of the latter are NaN.
 ///
 /// # Errors
-/// [`Error::Io`] where there are fewer.
+/// [`Error::Io`] if the file cannot be opened, or if the datasets of the faces are missing or have fewer rows.
 pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<EarlierTensions> {
     let file = open(path)?;
     let wrong = |e: hdf5::Error| Error::io(path, format!("its stresses cannot be read: {e}"));
@@ -89,11 +90,11 @@ pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<EarlierTen
     Ok(EarlierTensions { faces: stress::rows(&file, names, rows).map_err(wrong)?, ring })
 }
 
-/// Reads the history of the result `path`. After a kill, datasets may differ in length by one flush: the rows are
-/// those that all have.
+/// Reads the acceleration history of the result `path`. After a kill, the lengths of the datasets may differ by the
+/// rows of one flush; only the rows present in all of them are returned.
 ///
 /// # Errors
-/// [`Error::Io`] that says whether the file is missing, not HDF5, still being written, or not a result of ricochet.
+/// [`Error::Io`], which says whether the file is missing, not HDF5, still being written, or not a result of ricochet.
 pub fn history(path: &Path) -> Result<History> {
     let file = open(path)?;
     check_run(&file, path)?;
@@ -108,19 +109,19 @@ pub fn history(path: &Path) -> Result<History> {
     Ok(History { title, time, acceleration, contacts, impulses })
 }
 
-/// The contacts of a result.
+/// Contact episodes of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contacts {
-    /// In the order of time.
+    /// Episodes in the order of time.
     pub episodes: Vec<Episode>,
-    /// Whether the last one goes on at the last step.
+    /// Whether the last episode continues at the last step.
     pub is_open: bool,
 }
 
-/// Reads the contacts of the result `path`.
+/// Reads the contact episodes of the result `path`.
 ///
 /// # Errors
-/// [`Error::Io`] as [`history`].
+/// Same as [`history`].
 pub fn episodes(path: &Path) -> Result<Contacts> {
     let file = open(path)?;
     check_run(&file, path)?;
@@ -145,7 +146,7 @@ pub(super) fn contacts(file: &hdf5::File, path: &Path) -> Result<Vec<(f64, f64)>
     Ok(start.into_iter().zip(end).collect())
 }
 
-/// A dataset of one dimension of a result.
+/// Values of a one-dimensional dataset of a result.
 pub(super) fn column(file: &hdf5::File, path: &Path, name: &str) -> Result<Vec<f64>> {
     let dataset = file.dataset(name).map_err(|_| not_result(path, &format!("there is no dataset /{name}")))?;
     if dataset.ndim() != 1 {
@@ -154,7 +155,7 @@ pub(super) fn column(file: &hdf5::File, path: &Path, name: &str) -> Result<Vec<f
     dataset.read_raw::<f64>().map_err(|e| not_result(path, &format!("/{name} cannot be read ({e})")))
 }
 
-/// Tells what a file is that is not the result of a run.
+/// Checks that a file is the result of a run. Otherwise the error says what the file is.
 pub(super) fn check_run(file: &hdf5::File, path: &Path) -> Result<()> {
     let is_checkpoint = file.dataset("names").is_ok() && file.attr("run_id").is_ok();
     let what = match file.group("series") {
@@ -167,7 +168,7 @@ pub(super) fn check_run(file: &hdf5::File, path: &Path) -> Result<()> {
     Err(Error::io(path, what))
 }
 
-/// Why a file is no result.
+/// Error for a file that is not a result, with the reason.
 pub(super) fn not_result(path: &Path, why: &str) -> Error {
     Error::io(path, format!("is not a result of ricochet: {why}"))
 }
@@ -175,7 +176,7 @@ pub(super) fn not_result(path: &Path, why: &str) -> Error {
 /// Opens a result for reading.
 ///
 /// # Errors
-/// [`Error::Io`] that says whether the file is missing, not HDF5, or still being written.
+/// [`Error::Io`], which says whether the file is missing, not HDF5, or still being written.
 pub(super) fn open(path: &Path) -> Result<hdf5::File> {
     if let Err(e) = std::fs::File::open(path) {
         return Err(Error::io(path, e));

@@ -1,12 +1,12 @@
-//! The series of a run, written while it goes on.
+//! Writes the time series of a run during the run.
 //!
-//! A process may be killed at any moment, so the file has to be whole between any two writes that HDF5 makes. HDF5 is
-//! called in short bursts that end with a flush, about once a second. Within a flush HDF5 writes data first, then
-//! metadata in the order of the addresses, then the length of the file, so a burst is safe if it allocates nothing:
-//! then it changes the lengths of the datasets only, each in one small write, after the rows themselves. That is why
-//! a chunk holds the whole planned series, and why the file takes its name only with its first row, when the chunks
-//! are there. Not safe is the moment of a flush in which `/contacts` gets its first chunk
-//! (it alone is lost then), or in which a series outgrows its chunk.
+//! A process may be killed at any moment, so the file must be valid between any two write operations of HDF5. HDF5 is
+//! called in short bursts, each of which ends with a flush, about once a second. A flush writes first the data, then
+//! the metadata in the order of their addresses, then the length of the file. A burst that allocates no space in the
+//! file is therefore safe: it changes only the lengths of the datasets, each in one small write operation after the
+//! rows themselves. For this reason a chunk has room for the whole planned series, and the file receives its final name
+//! only with its first row, when the chunks exist. Two moments are not safe: the flush in which `/contacts` gets its
+//! first chunk (a kill then loses only the contacts), and the flush in which a series outgrows its chunk.
 
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
@@ -25,31 +25,31 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Wall time between two flushes: what a kill may cost.
+/// Wall time between two flushes, and thus the largest wall time lost by a kill.
 pub(super) const FLUSH_EVERY: Duration = Duration::from_secs(1);
-/// Rows that a buffer holds at most, however fast they come (9 MB).
+/// Largest number of rows in the buffer; a full buffer is flushed at once (9 MB).
 const ROWS_BUFFERED: usize = 1 << 16;
-/// Rows in a chunk where their number is not planned, and at most (128 MiB; HDF5 allows 4 GiB).
+/// Number of rows in a chunk: if the number of rows is not planned, and its maximum (128 MiB; HDF5 allows 4 GiB).
 const CHUNK_UNPLANNED: usize = 1 << 15;
 const CHUNK_MOST: usize = 1 << 24;
-/// Episodes in a chunk.
+/// Number of contact episodes in a chunk.
 const CHUNK_CONTACTS: usize = 64;
 
-/// What is there of a run that goes on.
+/// Recorded part of a run that is continued.
 pub struct Earlier {
-    /// Its result.
+    /// Path of the result.
     pub result: PathBuf,
-    /// Its `run_id`.
+    /// `run_id` of the result.
     pub run_id: u64,
-    /// Every column of the series, all of the same number of rows.
+    /// Columns of the series in the order of `SERIES`, all with the same number of rows.
     pub columns: Vec<Vec<f64>>,
-    /// Of each row what every probe has read.
+    /// Values of every probe, for each row.
     pub probes: Vec<Vec<Probe>>,
-    /// Its stresses.
+    /// Largest tensions on the faces, and the tension at the edge of the contact, for each row.
     pub tensions: EarlierTensions,
-    /// The map of them.
+    /// Largest tension so far at each point of the faces.
     pub map: TensionMap,
-    /// The contacts.
+    /// Contact episodes so far.
     pub episodes: Episodes,
 }
 
@@ -59,20 +59,20 @@ impl Earlier {
     }
 }
 
-/// What a run reads of its body at each step beside the surface under the impactor.
+/// Probes and faces that are read at each step, in addition to the surface under the impactor.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Points {
     /// Names of the probes.
     pub probes: Vec<String>,
-    /// The faces.
+    /// Faces on which stresses are read.
     pub faces: Faces,
 }
 
-/// Writes the series and the contacts of one run to a file. One process (rank 0) has it.
+/// Writes the series and the contacts of one run to a file. Only one process (rank 0) has a writer.
 pub struct SeriesWriter {
     path: PathBuf,
     run_id: u64,
-    /// The file's name until the first row is on the disk.
+    /// Temporary name of the file until the first row is on the disk, then `None`.
     part: Option<PathBuf>,
     file: hdf5::File,
     series: Vec<hdf5::Dataset>,
@@ -81,18 +81,18 @@ pub struct SeriesWriter {
     faces: Faces,
     tensions: TensionDatasets,
     map_datasets: MapDatasets,
-    /// Of all steps so far, and whether it is not in the file yet.
+    /// Largest tension of all steps so far at each point, and whether it changed since the last write.
     map: TensionMap,
     map_is_new: bool,
-    /// Of the whole run, where stresses are read.
+    /// Largest tension of the whole run; NaN if no stresses are read.
     largest: LargestTension,
-    /// Whether an older result keeps its name until this one is whole.
+    /// Whether an older result keeps its name until this result is complete.
     waits: bool,
-    /// Whether it goes on with the result that is at `path`, whose checkpoint then stays.
+    /// Whether the run continues the result at `path`; the checkpoint of that result is then kept.
     goes_on: bool,
     every: usize,
     buffer: Vec<Step>,
-    /// What was read at the buffer's steps.
+    /// Values of the body read at the steps in `buffer`.
     read: Vec<Reading>,
     rows_written: usize,
     episodes: Episodes,
@@ -101,27 +101,27 @@ pub struct SeriesWriter {
 }
 
 impl SeriesWriter {
-    /// Begins the result `path` of a run described by `provenance`.
+    /// Creates the result `path` of a run described by `provenance`.
     ///
-    /// An older result at `path` is replaced, and its checkpoint removed, when the first step has been written; both are untouched if it
-    /// never is.
+    /// An older result at `path` is replaced, and its checkpoint removed, when the first step has been written. If no
+    /// step is written, both remain as they are.
     ///
     /// # Errors
-    /// [`Error::Io`] as of [`target::check_writable`], or when writing fails.
+    /// [`Error::Io`] as for [`target::check_writable`], or if writing fails.
     pub fn create(path: &Path, provenance: &Provenance) -> Result<Self> {
         Self::with_points(path, provenance, &Points::default())
     }
 
-    /// The same with groups for what is read of the body.
+    /// Like [`Self::create`], with datasets for the values at probes and on faces.
     ///
     /// # Errors
-    /// As [`Self::create`].
+    /// Same as [`Self::create`].
     pub fn with_points(path: &Path, provenance: &Provenance, points: &Points) -> Result<Self> {
         target::check_writable(path, target::Kind::Run)?;
         let part = target::part(&target::resolved(path))?;
         let begun = begin(&part, provenance, points);
         if begun.is_err() {
-            // The error in hand says more than one of the removal would.
+            // The present error says more than an error of the removal.
             let _ = fs::remove_file(&part);
         }
         let Begun { file, series, contacts, probes, tensions, map } = begun.map_err(|e| not_written(path, &e))?;
@@ -151,10 +151,10 @@ impl SeriesWriter {
         })
     }
 
-    /// Begins a result with what an earlier one of the same run holds, to which the next steps are added.
+    /// Creates a result with the rows of an earlier result of the same run; the next steps are appended to it.
     ///
     /// # Errors
-    /// As [`Self::create`].
+    /// Same as [`Self::create`].
     pub fn continued(path: &Path, provenance: &Provenance, points: &Points, earlier: Earlier) -> Result<Self> {
         let provenance = Provenance { run_id: earlier.run_id, ..provenance.clone() };
         let mut writer = Self::with_points(path, &provenance, points)?;
@@ -175,53 +175,54 @@ impl SeriesWriter {
         Ok(writer)
     }
 
-    /// For a run whose steps are all there before the first of them is told: an older result is replaced when this one has its end, so that
-    /// a disk that fills meanwhile costs nothing.
+    /// For a run that computes all steps before the first one is recorded: an older result is replaced only when this
+    /// one is complete. If the disk becomes full while writing, the older result remains.
     #[must_use]
     pub fn all_at_once(mut self) -> Self {
         self.waits = self.path.exists();
         self
     }
 
-    /// The run's.
+    /// `run_id` of the result.
     pub fn run_id(&self) -> u64 {
         self.run_id
     }
 
-    /// Rows so far.
+    /// Number of rows so far, including the buffered ones.
     pub fn rows(&self) -> usize {
         self.rows_written + self.buffer.len()
     }
 
-    /// The largest tension so far at each point of the faces.
+    /// Largest tension so far at each point of the faces.
     pub fn map(&self) -> &TensionMap {
         &self.map
     }
 
-    /// The episodes so far.
+    /// Contact episodes so far.
     pub fn episodes(&self) -> &Episodes {
         &self.episodes
     }
 
-    /// Records only the steps whose number is a multiple of `n` (0 counts as 1). The contacts are those of all steps.
+    /// Records only the steps whose number is a multiple of `n` (0 counts as 1). The contact episodes include all
+    /// steps.
     pub fn every(mut self, n: usize) -> Self {
         self.every = n.max(1);
         self
     }
 
-    /// Takes the next accepted step. The first one is on the disk when this returns; later ones follow about once a
+    /// Records the next accepted step. The first one is on the disk when this returns; later ones follow about once a
     /// second of wall time.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails; the rows stay in the buffer.
+    /// [`Error::Io`] if writing fails; the rows remain in the buffer.
     pub fn push(&mut self, step: &Step) -> Result<()> {
         self.push_read(step, &Reading::default())
     }
 
-    /// The same with what was read of the body at the step.
+    /// Like [`Self::push`], with the values of the body at the step.
     ///
     /// # Errors
-    /// As [`Self::push`].
+    /// Same as [`Self::push`].
     pub fn push_read(&mut self, step: &Step, reading: &Reading) -> Result<()> {
         self.episodes.push(step);
         if !reading.map.tension.is_empty() {
@@ -240,10 +241,10 @@ impl SeriesWriter {
         Ok(())
     }
 
-    /// Writes what is buffered, so that it outlives the process.
+    /// Writes the buffered rows, so that they survive the end of the process.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails; the rows stay in the buffer.
+    /// [`Error::Io`] if writing fails (the rows remain in the buffer), or if the file was removed during the run.
     pub fn flush(&mut self) -> Result<()> {
         self.write().map_err(|e| not_written(&self.path, &e))?;
         if self.waits {
@@ -251,23 +252,25 @@ impl SeriesWriter {
         }
         if let Some(part) = &self.part {
             if !self.goes_on {
-                // Before the result that it belongs to: no result is ever beside another one's.
+                // The old checkpoint is removed before its result is replaced, so that no result has a checkpoint of
+                // another run.
                 checkpoint::remove(&self.path)?;
             }
             target::replace_with_part(part, &target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e))?;
             self.part = None;
         }
-        // An open file is written to the end also where nobody can find it any more. A file system that does not answer proves nothing.
+        // Writing to an open file also succeeds after the file has been removed. An error of the file system does not
+        // prove that the file is missing.
         if matches!(self.path.try_exists(), Ok(false)) {
             return Err(Error::io(&self.path, "has been removed while the run was writing it"));
         }
         Ok(())
     }
 
-    /// Has `/fields`, and `/VTKHDF`, which readers of VTK look for, lead into the fields' file beside the result.
+    /// Links `/fields` and `/VTKHDF` to the fields' file in the folder of the result. VTK readers look for `/VTKHDF`.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn link_fields(&self) -> Result<()> {
         let [fields, _] = fields::paths(&self.path);
         let name = fields.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -275,30 +278,30 @@ impl SeriesWriter {
         link("fields").and_then(|()| link(fields::GROUP)).map_err(|e| not_written(&self.path, &e))
     }
 
-    /// [`Self::flush`], so that it outlives a loss of power too.
+    /// Like [`Self::flush`]; the rows also survive a loss of power.
     ///
     /// # Errors
-    /// As [`Self::flush`].
+    /// Same as [`Self::flush`].
     pub fn sync(&mut self) -> Result<()> {
         self.flush()?;
         target::synced(&self.path).map_err(|e| Error::io(&self.path, e))
     }
 
-    /// Whether anything of this process is in the result.
+    /// Whether this process has written to the result.
     pub fn has_begun(&self) -> bool {
         self.flushed.is_some()
     }
 
-    /// What the root is to say of the largest tension of the whole run.
+    /// Sets the largest tension of the whole run, which [`Self::finish`] writes to the root of the file.
     pub fn set_largest(&mut self, largest: LargestTension) {
         self.largest = largest;
     }
 
-    /// Ends the result: the last rows, what the run cost, and whether it came to its end. A run that has not come to its end, nor taken a
-    /// step in this process, leaves what was there.
+    /// Finishes the result: writes the last rows, the cost of the run, and whether the run is complete. If the run is
+    /// not complete and this process has taken no step, the existing result remains as it is.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn finish(mut self, cost: &Cost, complete: bool) -> Result<()> {
         if !complete && !self.has_begun() {
             return Ok(());
@@ -324,7 +327,7 @@ impl SeriesWriter {
             self.map_datasets.write(&self.map)?;
         }
         append(&self.series, &SERIES, self.rows_written, &self.buffer)?;
-        // An open episode grows, so the last one that was written may have changed.
+        // An open episode changes, so the episode written last is written again.
         let first = self.episodes_written.saturating_sub(1);
         let episodes = &self.episodes.all()[first..];
         append(&self.contacts, &CONTACTS, first, episodes)?;
@@ -340,7 +343,7 @@ impl SeriesWriter {
 }
 
 impl Drop for SeriesWriter {
-    /// Writes what is buffered; an error has nobody to go to. A result without a step leaves nothing behind.
+    /// Writes the buffered rows; errors are ignored. A result without a step is removed.
     fn drop(&mut self) {
         let _ = match &self.part {
             Some(part) => fs::remove_file(part).map_err(|e| Error::io(part, e)),
@@ -358,7 +361,7 @@ struct Begun {
     map: MapDatasets,
 }
 
-/// The file at `path` with its attributes, and its datasets under `/series` and `/contacts`.
+/// Creates the file at `path` with its attributes and its datasets.
 fn begin(path: &Path, provenance: &Provenance, points: &Points) -> hdf5::Result<Begun> {
     let file = hdf5::File::create(path)?;
     provenance.write(&file)?;
@@ -367,7 +370,7 @@ fn begin(path: &Path, provenance: &Provenance, points: &Points) -> hdf5::Result<
     write_scalar(&file, "complete", false)?;
     let chunk = provenance.planned_rows.unwrap_or(CHUNK_UNPLANNED).clamp(1, CHUNK_MOST);
     let contacts = new_datasets(&file, &CONTACTS, CHUNK_CONTACTS)?;
-    // Before the series, whose time is to come last.
+    // These come before the series, because the dataset of the time must be the last one.
     let probes = ProbeDatasets::new(&file, &points.probes, chunk)?;
     let tensions = TensionDatasets::new(&file, &points.faces, chunk)?;
     let map = MapDatasets::new(&file, &points.faces.names, &points.faces.map)?;

@@ -1,4 +1,4 @@
-//! The file that a result is written to: whether it can be, and how it takes the place of an older one.
+//! Output file of a result: checks that it is writable, and replaces an older file.
 
 use crate::error::{Error, Result};
 use crate::record::sweep::is_one as is_sweep;
@@ -8,14 +8,14 @@ use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What a file is, as far as it may be replaced: only by one of its own kind.
+/// Kind of a file. A file is replaced only by a file of the same kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// The result of a run.
+    /// Result of a run.
     Run,
-    /// A sweep, which is continued.
+    /// Sweep. An existing sweep is continued, not replaced.
     Sweep,
-    /// The fields of a run.
+    /// Fields of a run.
     Fields,
 }
 
@@ -28,24 +28,24 @@ impl Kind {
         }
     }
 
-    /// What a file of this program is, by what it must have.
+    /// Kind of an open file, from its content; `None` if it is not a file of this program.
     fn of(file: &hdf5::File) -> Option<Self> {
         if is_sweep(file) {
             Some(Self::Sweep)
         } else if file.group("series").is_ok() && file.attr("run_id").is_ok() {
             Some(Self::Run)
         } else {
-            // A run links to its fields: this is what is left.
+            // This check comes last, because the result of a run has a link `VTKHDF` to its fields.
             file.group("VTKHDF").is_ok().then_some(Self::Fields)
         }
     }
 }
 
-/// Tells whether a result of this kind can be written to `path`, without touching a file that is there.
+/// Checks that a result of this kind can be written to `path`, without changing an existing file.
 ///
 /// # Errors
-/// [`Error::Io`] with the reason: the folder is missing or not writable; the path is a folder, a device, a read-only
-/// file, a file of another kind, or a result that a run is still writing.
+/// [`Error::Io`] with the reason: the folder is missing or not writable; the path is not UTF-8; the path is a folder, a
+/// device, a read-only file, a file of another kind, or a result that a run is still writing.
 pub fn check_writable(path: &Path, kind: Kind) -> Result<()> {
     let part = part(&resolved(path))?;
     if part.to_str().is_none() {
@@ -63,14 +63,15 @@ pub fn check_writable(path: &Path, kind: Kind) -> Result<()> {
         .map_err(|e| Error::io(path, format!("cannot be created: {e}")))
 }
 
-/// The file that `path` is or links to, whether that is there or not: a link stays a link.
+/// Resolves symbolic links: the file that `path` is or links to, whether it exists or not. A file is written there, so
+/// the link itself remains.
 pub fn resolved(path: &Path) -> PathBuf {
-    /// More links in a row than any system follows.
-    const MOST: usize = 64;
+    /// Largest number of consecutive links followed, more than any system follows.
+    const MAX_LINKS: usize = 64;
     let mut file = path.to_owned();
-    for _ in 0..MOST {
+    for _ in 0..MAX_LINKS {
         match fs::read_link(&file) {
-            // A relative link starts at the folder that it is in.
+            // A relative link is relative to its folder.
             Ok(target) => file = folder(&file).join(target),
             Err(_) if file == path => return file,
             Err(_) => return fs::canonicalize(&file).unwrap_or(file),
@@ -79,8 +80,9 @@ pub fn resolved(path: &Path) -> PathBuf {
     path.to_owned()
 }
 
-/// A file that goes with the result at `path`, by its ending: `plate.checkpoint.h5` with `plate.h5`, `k.1e7.checkpoint.h5` with `k.1e7`.
-/// Results with different names, which have locks of their own, share none.
+/// File in the folder of the result at `path` whose name has another ending: `plate.checkpoint.h5` for `plate.h5`,
+/// `k.1e7.checkpoint.h5` for `k.1e7`. Results with different names have different locks, so they must not share such a
+/// file.
 pub(super) fn companion(path: &Path, ending: &str) -> PathBuf {
     let path = resolved(path);
     let mut name = path.file_name().map(OsString::from).unwrap_or_default();
@@ -92,8 +94,8 @@ pub(super) fn companion(path: &Path, ending: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Renames a part to its final name. The file that it replaces may be the only copy of its data, so the part is on the disk
-/// before.
+/// Renames a temporary file to its final name. The replaced file may be the only copy of its data, so the temporary
+/// file is on the disk before it replaces the older one.
 pub(super) fn replace_with_part(part: &Path, path: &Path) -> io::Result<()> {
     if path.try_exists()? {
         synced(part)?;
@@ -103,29 +105,29 @@ pub(super) fn replace_with_part(part: &Path, path: &Path) -> io::Result<()> {
     fs::rename(part, path)
 }
 
-/// Has what was written to a file, or the names in a folder, outlive a loss of power.
+/// Makes the content of a file, or the names in a folder, survive a loss of power.
 pub(super) fn synced(path: &Path) -> io::Result<()> {
     File::open(path)?.sync_all()
 }
 
-/// Whether two paths lead to one file.
+/// Whether two paths lead to the same existing file.
 pub fn is_same(one: &Path, other: &Path) -> bool {
     let of = |path| fs::canonicalize(path).ok();
     of(one).is_some_and(|one| of(other) == Some(one))
 }
 
-/// The folder that a file is in.
+/// Folder that contains a file.
 pub(super) fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The file in which a new result is begun, beside `path` (resolved): an older result stays whole until the new one
-/// has its first row. (H5Fcreate would cut the older file before it finds out that somebody else has it open.)
+/// Temporary file for a new result, in the folder of `path` (resolved). An older result remains complete until the new
+/// one has its first row. (H5Fcreate would cut the older file before it detects that another process has it open.)
 pub(super) fn part(path: &Path) -> Result<PathBuf> {
     beside(path, &format!("{}.part", std::process::id()))
 }
 
-/// A hidden file beside `path` (resolved) with another ending.
+/// Hidden file in the folder of `path` (resolved), with another ending.
 pub(super) fn beside(path: &Path, ending: &str) -> Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| Error::io(path, "is not the name of a file"))?;
     let folder = folder(path);
@@ -139,7 +141,8 @@ pub(super) fn beside(path: &Path, ending: &str) -> Result<PathBuf> {
     Ok(folder.join(hidden))
 }
 
-/// Removes what runs that were killed have begun beside `path`; for who alone may write there. An error is no harm.
+/// Removes temporary files that killed runs have left for `path`. Only the owner of the lock may call this. Errors are
+/// ignored.
 pub(super) fn remove_parts(path: &Path) {
     let path = resolved(path);
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return };
@@ -152,7 +155,7 @@ pub(super) fn remove_parts(path: &Path) {
     }
 }
 
-/// Whether what is at `path` is of this kind and may be replaced.
+/// Checks that the file at `path` is of this kind and may be replaced.
 fn check_replaceable(path: &Path, there: &fs::Metadata, kind: Kind) -> Result<()> {
     if there.is_dir() {
         return Err(Error::io(path, "is a folder"));
@@ -164,7 +167,8 @@ fn check_replaceable(path: &Path, there: &fs::Metadata, kind: Kind) -> Result<()
         return Err(Error::io(path, "is read-only"));
     }
     OpenOptions::new().write(true).open(path).map_err(|e| Error::io(path, format!("cannot be replaced: {e}")))?;
-    // Opening takes HDF5's shared lock, which a writer elsewhere excludes; a writer in this process shows in the mode.
+    // Opening takes the shared lock of HDF5, which fails if another process writes the file. If this process writes it,
+    // the file is not opened read-only.
     match hdf5::File::open(path) {
         Ok(file) if file.is_read_only() => match Kind::of(&file) {
             Some(there) if there == kind => Ok(()),
@@ -184,7 +188,7 @@ fn check_replaceable(path: &Path, there: &fs::Metadata, kind: Kind) -> Result<()
 
 const IN_USE: &str = "is open for writing: another run is not finished with it";
 
-/// Whether an open failed because another program holds the file.
+/// Whether opening failed because another process has locked the file.
 pub(super) fn is_locked(error: &hdf5::Error) -> bool {
     error.stack().is_some_and(|frames| frames.iter().any(|f| f.desc().contains("lock file")))
 }

@@ -1,8 +1,9 @@
-//! Checkpoints on the disk: what a run goes on from, beside its result.
+//! Checkpoints on the disk: the state from which a run is continued, in the folder of its result.
 //!
-//! A checkpoint is written to a file beside the last one and takes its place when it is whole, so that there is one at any moment.
-//! Values are by node, and nodes are known by where they lie: any number of ranks may go on. Behind what HDF5 writes stands a digest of it,
-//! so that nothing is made of a file that was cut or altered.
+//! A checkpoint is written to a temporary file, which replaces the last checkpoint when it is complete. So there is a
+//! complete one at any moment. Values are stored by node, and nodes are identified by their positions, so a run
+//! can be continued on any number of ranks. A digest follows the content written by HDF5, so that a truncated or
+//! altered file is detected.
 
 mod nodes;
 
@@ -22,35 +23,36 @@ use crate::scene::Vec3;
 
 use nodes::Nodes;
 
-/// The scene that the run is of, and the unknowns of its vectors.
+/// Content of a checkpoint: the state of a run, its scene, and the nodes of its vectors.
 pub struct Kept {
-    /// The scene's full text.
+    /// Full text of the scene.
     pub scene: String,
-    /// The run, by its result's `run_id`.
+    /// `run_id` of the result of the run.
     pub run_id: u64,
-    /// When it is of, s.
+    /// Time of the state, s.
     pub time: f64,
-    /// Where the nodes lie, m, three unknowns each, in the order of the vectors' values; empty for a body without nodes.
+    /// Positions of the nodes, m, in the order of the values of the vectors, with three unknowns for each node; empty
+    /// for a body without nodes.
     pub nodes: Vec<Vec3>,
     /// All values of all ranks.
     pub checkpoint: Checkpoint,
 }
 
-/// Ending of a checkpoint's name.
+/// Ending of the name of a checkpoint.
 pub const ENDING: &str = "checkpoint.h5";
 
-/// The checkpoint's file beside a result: `plate.h5` has `plate.checkpoint.h5`.
+/// Path of the checkpoint of a result: `plate.checkpoint.h5` for `plate.h5`.
 pub fn beside(result: &Path) -> PathBuf {
     target::companion(result, ENDING)
 }
 
-/// Whether there is a checkpoint beside a result that is of the run with this id.
+/// Whether a checkpoint of the run with this id exists in the folder of a result.
 pub fn is_there(result: &Path, run_id: u64) -> bool {
     let read = || hdf5::File::open(beside(result))?.attr("run_id")?.read_scalar::<u64>();
     beside(result).exists() && read().is_ok_and(|there| there == run_id)
 }
 
-/// Tells whether a checkpoint can be written beside a result: no file of another kind is replaced or removed.
+/// Checks that a checkpoint can be written for a result: a file of another kind is neither replaced nor removed.
 ///
 /// # Errors
 /// [`Error::Io`] with the reason.
@@ -64,20 +66,20 @@ pub fn check_writable(result: &Path) -> Result<()> {
 }
 
 impl Kept {
-    /// Writes it beside the result `result`, in the place of the last one.
+    /// Writes the checkpoint of the result `result`, which replaces the last one.
     ///
     /// # Errors
-    /// [`Error::Io`]; the last one is then still there.
+    /// [`Error::Io`] if writing fails; the last checkpoint then remains.
     pub fn write(&self, result: &Path) -> Result<()> {
         let path = beside(result);
         let part = target::part(&path)?;
         let written = self.write_to(&part).map_err(|error| not_written(&path, &error)).and_then(|()| {
-            // On the disk before it is called by its name.
+            // The file is on the disk before it receives its final name.
             let named = sealed(&part).and_then(|()| fs::rename(&part, &path));
             named.and_then(|()| target::synced(target::folder(&path))).map_err(|error| Error::io(&path, error))
         });
         if written.is_err() {
-            // The error in hand says more than one of the removal would.
+            // The present error says more than an error of the removal.
             let _ = fs::remove_file(&part);
         }
         written
@@ -102,10 +104,10 @@ impl Kept {
         file.close()
     }
 
-    /// Its values for a body whose nodes lie at `nodes`, in their order; as they are for a body without nodes.
+    /// Values for a body with nodes at `nodes`, in their order; unchanged for a body without nodes.
     ///
     /// # Errors
-    /// Why it is of another body.
+    /// Text with the reason why the checkpoint belongs to another body.
     pub fn at(self, nodes: Option<&[Vec3]>) -> std::result::Result<Checkpoint, String> {
         let Some(nodes) = nodes else {
             return if self.nodes.is_empty() { Ok(self.checkpoint) } else { Err("it is of a body with a mesh".into()) };
@@ -134,10 +136,10 @@ impl Kept {
         Ok(Checkpoint { vectors, numbers, lists })
     }
 
-    /// Reads the checkpoint beside a result; `None` where there is none.
+    /// Reads the checkpoint of a result; `None` if there is none.
     ///
     /// # Errors
-    /// [`Error::Io`] where it cannot be read, or is no checkpoint.
+    /// [`Error::Io`] if it cannot be read, or if it is not a checkpoint.
     pub fn read(result: &Path) -> Result<Option<Self>> {
         let path = beside(result);
         if !path.try_exists().map_err(|error| Error::io(&path, error))? {
@@ -173,10 +175,10 @@ impl Kept {
     }
 }
 
-/// What stands before the digest at the end of a file.
+/// Marker before the digest at the end of a file.
 const SEAL: [u8; 8] = *b"ricochet";
 
-/// Adds the digest of a file to its end, and has it on the disk.
+/// Appends the digest of a file to it, and forces the file onto the disk.
 fn sealed(path: &Path) -> io::Result<()> {
     let digest = digest(&fs::read(path)?).to_le_bytes();
     let mut file = fs::OpenOptions::new().append(true).open(path)?;
@@ -184,17 +186,17 @@ fn sealed(path: &Path) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Whether a file is as it was sealed.
+/// Whether a file ends with the correct digest.
 fn is_sealed(path: &Path) -> io::Result<bool> {
     let bytes = fs::read(path)?;
     let Some((content, end)) = bytes.split_at_checked(bytes.len().saturating_sub(16)) else { return Ok(false) };
     Ok(end == [SEAL, digest(content).to_le_bytes()].as_flattened())
 }
 
-/// Removes the checkpoint beside a result that it is not of, or that is complete.
+/// Removes the checkpoint of a result: if it belongs to another run, or if the run is complete.
 ///
 /// # Errors
-/// [`Error::Io`] where there is one and it cannot be removed.
+/// [`Error::Io`] if there is a checkpoint and it cannot be removed.
 pub fn remove(result: &Path) -> Result<()> {
     let path = beside(result);
     match fs::remove_file(&path) {

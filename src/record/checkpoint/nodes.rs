@@ -1,29 +1,29 @@
-//! Nodes found again by where they lie.
+//! Finds nodes by their positions.
 
 use std::collections::HashMap;
 
 use crate::scene::Vec3;
 
-/// Nodes within this part of the diagonal of the box around all of them are one.
+/// Tolerance of node positions divided by the diagonal of the box around all nodes: closer positions are the same node.
 const SAME: f64 = 1e-9;
 
-/// Nodes that can be looked up by their place.
+/// Hash table of nodes by position.
 pub struct Nodes<'a> {
     nodes: &'a [Vec3],
-    /// Side of the cells of the table, m.
+    /// Side length of the cells of the table, m.
     size: f64,
     by_cell: HashMap<[i64; 3], Vec<usize>>,
 }
 
 impl<'a> Nodes<'a> {
-    /// Makes the table.
+    /// Builds the table.
     pub fn new(nodes: &'a [Vec3]) -> Self {
         let across = |axis: usize| {
             let values = || nodes.iter().map(|x| x[axis]);
             values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
         };
         let diagonal = (0..3).map(|axis| across(axis).powi(2)).sum::<f64>().sqrt();
-        // Cells far larger than what counts as the same place, so that most places have one cell to look in.
+        // Cells are much larger than the tolerance, so that for most positions only one cell must be searched.
         let size = if diagonal > 0.0 { 1e3 * SAME * diagonal } else { 1.0 };
         let mut by_cell: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
         for (number, x) in nodes.iter().enumerate() {
@@ -32,7 +32,7 @@ impl<'a> Nodes<'a> {
         Self { nodes, size, by_cell }
     }
 
-    /// The number of the one node at a place; `None` where there is none, or more than one.
+    /// Number of the node at a position; `None` if there is no node or more than one.
     pub fn at(&self, x: Vec3) -> Option<usize> {
         let near = 1e-3 * self.size;
         let [low, high] = [-near, near].map(|by| cell(x.map(|x| x + by), self.size));
@@ -62,7 +62,8 @@ fn cell(x: Vec3, size: f64) -> [i64; 3] {
 mod tests {
     use super::*;
 
-    /// Nodes are found from places that rounding has moved, across the cells of the table too, and others are not.
+    /// Nodes are found from positions with rounding errors, also across cells of the table; other positions have no
+    /// node.
     #[test]
     fn nodes_are_found_by_their_places() {
         let nodes: Vec<Vec3> = (0..1000)
@@ -77,7 +78,7 @@ mod tests {
         }
     }
 
-    /// Of two nodes at one place neither is it.
+    /// Neither of two nodes at the same position is returned.
     #[test]
     fn twins_are_not_told_apart() {
         let nodes = [[0.0; 3], [1.0; 3], [1.0; 3]];

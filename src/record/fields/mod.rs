@@ -1,8 +1,9 @@
-//! Fields for ParaView, in a file of their own beside the result: VTKHDF, and an XDMF that points into it.
+//! Fields for ParaView in a separate file in the folder of the result: VTKHDF, and an XDMF file that refers to it.
 //!
-//! A frame takes megabytes, and writing one would allocate space in the middle of the series, which a kill at that moment could spoil
-//! (see [`series`](super::series)). So the result holds links to the fields' file alone, and that is written by the same rules as the
-//! series: a chunk holds the planned frames, a flush changes lengths only.
+//! A frame takes megabytes. In the file of the result, writing a frame would allocate space in the middle of the
+//! series, and a kill at that moment could destroy the file (see [`series`](super::series)). So the result contains
+//! only links to the fields' file. That file is written by the same rules as the series: a chunk has room for the
+//! planned frames, and a flush changes only lengths.
 
 mod vtkhdf;
 mod xdmf;
@@ -19,15 +20,15 @@ use crate::space::evaluate::{Fields, Grid};
 pub use vtkhdf::GROUP;
 use vtkhdf::VtkHdf;
 
-/// Endings of the names of a result's fields and of their XDMF.
+/// Endings of the names of the fields' file and of the XDMF file.
 pub const ENDINGS: [&str; 2] = ["vtkhdf", "xdmf"];
 
-/// Where the fields of a result are: with the ending `.vtkhdf`, and the XDMF with `.xdmf`.
+/// Paths of the fields (`.vtkhdf`) and of the XDMF file (`.xdmf`) of a result.
 pub fn paths(result: &Path) -> [PathBuf; 2] {
     ENDINGS.map(|ending| target::companion(result, ending))
 }
 
-/// Tells whether the fields of a result can be written, as [`target::check_writable`] does.
+/// Checks that the fields of a result can be written, like [`target::check_writable`].
 ///
 /// # Errors
 /// [`Error::Io`] with the reason.
@@ -46,38 +47,38 @@ pub fn check_writable(result: &Path) -> Result<()> {
     target::check_writable(&fields, target::Kind::Fields)
 }
 
-/// Writes the fields of one run. One process (rank 0) has it.
+/// Writes the fields of one run. Only one process (rank 0) has a writer.
 pub struct FieldWriter {
     path: PathBuf,
     xdmf: PathBuf,
-    /// The file's name until the first frame is on the disk.
+    /// Temporary name of the file until the first frame is on the disk, then `None`.
     part: Option<PathBuf>,
     file: VtkHdf,
     flushed: Option<Instant>,
 }
 
 impl FieldWriter {
-    /// Begins the fields of `result` on a grid, for so many frames where their number is planned. Older fields are replaced when the first
-    /// frame has been written.
+    /// Creates the fields of `result` on a grid; `planned` is the number of frames if it is known. Older fields are
+    /// replaced when the first frame has been written.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn create(result: &Path, grid: &Grid, planned: Option<usize>) -> Result<Self> {
         let [path, xdmf] = paths(result);
         let part = target::part(&target::resolved(&path))?;
         let begun = VtkHdf::create(&part, grid, planned);
         if begun.is_err() {
-            // The error in hand says more than one of the removal would.
+            // The present error says more than an error of the removal.
             let _ = fs::remove_file(&part);
         }
         let file = begun.map_err(|e| not_written(&path, &e))?;
         Ok(Self { path, xdmf, part: Some(part), file, flushed: None })
     }
 
-    /// Goes on with the fields of a run, behind the frames up to a time, s: with those of the result `from`, for `result`.
+    /// Continues the fields of the result `from` in the fields of `result`, after its frames up to the time `end`, s.
     ///
     /// # Errors
-    /// [`Error::Io`] where they cannot be read, or written.
+    /// [`Error::Io`] if the earlier fields cannot be read or copied, or belong to another grid.
     pub fn continued(result: &Path, grid: &Grid, (from, end): (&Path, f64)) -> Result<Self> {
         let ([earlier, _], [path, xdmf]) = (paths(from), paths(result));
         let part = target::part(&target::resolved(&path))?;
@@ -86,26 +87,27 @@ impl FieldWriter {
             reopened.map_err(|e| Error::io(&earlier, format!("its fields do not go on: {e}")))
         });
         if copied.is_err() {
-            // The error in hand says more than one of the removal would.
+            // The present error says more than an error of the removal.
             let _ = fs::remove_file(&part);
         }
         let file = copied?;
         Ok(Self { path, xdmf, part: Some(part), file, flushed: None })
     }
 
-    /// Takes the frame of a time, s. The first one is on the disk when this returns; later ones follow about once a second of wall time.
+    /// Records the frame at a time, s. The first one is on the disk when this returns; later ones follow about once a
+    /// second of wall time.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn push(&mut self, time: f64, frame: &Fields) -> Result<()> {
         self.file.append(time, frame).map_err(|e| not_written(&self.path, &e))?;
         if self.flushed.is_none_or(|t| t.elapsed() >= FLUSH_EVERY) { self.flush() } else { Ok(()) }
     }
 
-    /// Writes what is there, so that it outlives the process.
+    /// Writes the recorded frames, so that they survive the end of the process.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn flush(&mut self) -> Result<()> {
         self.file.flush().map_err(|e| not_written(&self.path, &e))?;
         if let Some(part) = &self.part {
@@ -117,10 +119,10 @@ impl FieldWriter {
         Ok(())
     }
 
-    /// The same, so that it outlives a loss of power too.
+    /// Like [`Self::flush`]; the frames also survive a loss of power.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn sync(&mut self) -> Result<()> {
         self.flush()?;
         target::synced(&self.path).map_err(|e| Error::io(&self.path, e))
@@ -128,7 +130,7 @@ impl FieldWriter {
 }
 
 impl Drop for FieldWriter {
-    /// Writes what is there; an error has nobody to go to. Fields without a frame leave nothing behind.
+    /// Writes the recorded frames; errors are ignored. Fields without a frame are removed.
     fn drop(&mut self) {
         let _ = match &self.part {
             Some(part) => fs::remove_file(part).map_err(|e| Error::io(part, e)),

@@ -1,4 +1,4 @@
-//! VTKHDF 2.0: an unstructured grid, written once, with its fields at some times (docs.vtk.org, VTK file formats).
+//! VTKHDF 2.0: an unstructured grid, written once, with its fields at several times (docs.vtk.org, VTK file formats).
 
 use std::path::Path;
 
@@ -11,52 +11,52 @@ use crate::element::Shape;
 use crate::record::provenance::write_text;
 use crate::space::evaluate::{Fields, Grid};
 
-/// Frames in a chunk where their number is not planned.
+/// Number of frames in a chunk if the number of frames is not planned.
 const CHUNK_UNPLANNED: usize = 32;
 
-/// Rows of three numbers in a chunk at most (HDF5 allows 4 GiB).
+/// Largest number of rows (three numbers each) in a chunk; HDF5 allows 4 GiB.
 const ROWS_MOST: usize = 1 << 27;
 
-/// The group that readers look for.
+/// Name of the group that VTK readers look for.
 pub const GROUP: &str = "VTKHDF";
 
 /// Name, unit and values of a field.
 type Field = (&'static str, &'static str, fn(&Fields) -> &[f64]);
 
-/// All of them.
+/// All fields that are written.
 pub const FIELDS: [Field; 3] = [
     ("displacement", "m", |frame| &frame.displacement),
     ("velocity", "m/s", |frame| &frame.velocity),
     ("principal_stress", "Pa", |frame| &frame.principal_stress),
 ];
 
-/// The file.
+/// Open VTKHDF file.
 pub struct VtkHdf {
     file: hdf5::File,
-    /// The fields, in their order.
+    /// Datasets of the fields, in the order of [`FIELDS`].
     data: Vec<hdf5::Dataset>,
-    /// `/VTKHDF/Steps`.
+    /// Group `/VTKHDF/Steps`.
     steps: hdf5::Group,
     /// Shape of the cells.
     pub shape: Shape,
-    /// Order of the elements on them.
+    /// Polynomial order of the elements.
     pub order: usize,
-    /// Cells, and points of each.
+    /// Number of cells, and number of points of each cell.
     pub cells: [usize; 2],
-    /// Points of the grid.
+    /// Number of points of the grid.
     pub points: usize,
     /// Time of each frame, s.
     pub times: Vec<f64>,
 }
 
 impl VtkHdf {
-    /// Begins a file with the grid in it.
+    /// Creates a file with the grid; `planned` is the number of frames if it is known.
     pub fn create(path: &Path, grid: &Grid, planned: Option<usize>) -> hdf5::Result<Self> {
         let file = hdf5::File::create(path)?;
         let root = file.create_group(GROUP)?;
         let version = root.new_attr::<i64>().shape(2).create("Version")?;
         version.write(&[2_i64, 0])?;
-        // Readers want a string of a fixed length.
+        // VTK readers expect a string of a fixed length.
         let name = FixedAscii::<16>::from_ascii(b"UnstructuredGrid").map_err(|e| e.to_string())?;
         root.new_attr::<FixedAscii<16>>().create("Type")?.write_scalar(&name)?;
         let (points, each) = (grid.points.len(), grid.points_each());
@@ -99,7 +99,7 @@ impl VtkHdf {
         Ok(Self { file, data, steps, shape, order, cells: [cells, each], points, times: Vec::new() })
     }
 
-    /// Goes on with a file of the same grid, behind its frames up to a time, s.
+    /// Opens a file of the same grid to continue it after its frames up to the time `end`, s.
     pub fn reopen(path: &Path, grid: &Grid, end: f64) -> hdf5::Result<Self> {
         let file = hdf5::File::open_rw(path)?;
         let root = file.group(GROUP)?;
@@ -108,12 +108,12 @@ impl VtkHdf {
         let data = data.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
         let steps = root.group("Steps")?;
         let mut times = steps.dataset("Values")?.read_raw::<f64>()?;
-        // But for the rounding of a product.
+        // The relative tolerance allows for rounding of times that are computed as products.
         times.truncate(times.partition_point(|time| *time <= end * (1.0 + 1e-12)));
         if root.dataset("Points")?.shape() != [points, 3] || data[0].shape()[0] < times.len() * points {
             return Err("it is of another grid, or lacks frames".into());
         }
-        // Frames behind that time are none of this run's.
+        // Later frames belong to the interrupted run and are removed.
         let frames = times.len();
         for dataset in &data {
             dataset.resize((frames * points, 3))?;
@@ -132,7 +132,7 @@ impl VtkHdf {
         Ok(Self { file, data, steps, shape, order, cells: [grid.cells.len() / each, each], points, times })
     }
 
-    /// Adds a frame of a time, s.
+    /// Appends the frame at a time, s.
     pub fn append(&mut self, time: f64, frame: &Fields) -> hdf5::Result<()> {
         let (number, points) = (self.times.len(), self.points);
         let rows = number * points..(number + 1) * points;
@@ -164,7 +164,7 @@ impl VtkHdf {
         Ok(())
     }
 
-    /// Brings all to the file: the number of frames after the frames, so that none is told that is not there.
+    /// Flushes the file. The number of frames is written after the frames, so that it never counts a missing frame.
     pub fn flush(&self) -> hdf5::Result<()> {
         self.file.flush()?;
         self.steps.attr("NSteps")?.write_scalar(&(self.times.len() as i64))?;
@@ -172,12 +172,13 @@ impl VtkHdf {
     }
 }
 
-/// Without a cache and a fill value, as the series': only new rows are written, and the rest of a chunk stays a hole.
+/// As for the series, without a chunk cache and a fill value: only new rows are written; the rest of a chunk is a hole
+/// in the file.
 fn rows(builder: hdf5::DatasetBuilderEmptyShape) -> hdf5::DatasetBuilderEmptyShape {
     builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never)
 }
 
-/// VTK's number of a cell's type.
+/// Number of a cell type in VTK.
 fn cell_type(shape: Shape, order: usize) -> u8 {
     match (shape, order) {
         (Shape::Tetrahedron, 1) => 10,

@@ -1,4 +1,4 @@
-//! XDMF: a text that says where in the fields' file grid and fields are (xdmf.org, model and format, version 2).
+//! XDMF: an XML text that locates the grid and the fields in the fields' file (xdmf.org, model and format, version 2).
 
 use std::fmt::{self, Display, Formatter};
 use std::fs;
@@ -10,24 +10,24 @@ use crate::record::target;
 
 use super::vtkhdf::{FIELDS, GROUP, VtkHdf};
 
-/// Writes the text at `path` for what the fields' file holds, in one piece.
+/// Writes the XDMF file `path` for the content of the fields' file `fields`. The file appears complete or not at all.
 ///
 /// # Errors
-/// [`Error::Io`].
+/// [`Error::Io`] if writing fails.
 pub fn write(path: &Path, fields: &Path, file: &VtkHdf) -> Result<()> {
     let name = fields.file_name().unwrap_or_default().to_string_lossy();
     let part = target::part(path)?;
     let text = Text { name: escaped(&name), file }.to_string();
     let written = fs::write(&part, text).and_then(|()| fs::rename(&part, path));
     if written.is_err() {
-        // The error in hand says more than one of the removal would.
+        // The present error says more than an error of the removal.
         let _ = fs::remove_file(&part);
     }
     written.map_err(|e| Error::io(path, e))
 }
 
 struct Text<'a> {
-    /// The file beside this one that has the numbers.
+    /// Name of the fields' file, which has the numbers and is in the same folder.
     name: String,
     file: &'a VtkHdf,
 }
@@ -70,7 +70,7 @@ fn item(f: &mut Formatter, kind: &str, bytes: usize, dimensions: &str, place: &s
     )
 }
 
-/// XDMF's name of a cell's type.
+/// Name of a cell type in XDMF.
 fn topology(shape: Shape, order: usize) -> &'static str {
     match (shape, order) {
         (Shape::Tetrahedron, 1) => "Tetrahedron",
@@ -80,7 +80,7 @@ fn topology(shape: Shape, order: usize) -> &'static str {
     }
 }
 
-/// A name as XML wants it.
+/// Name with the special characters of XML escaped.
 fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

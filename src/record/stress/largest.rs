@@ -1,4 +1,4 @@
-//! The largest tension of a whole run: attributes of the root.
+//! Largest tension of a whole run: attributes of the root.
 
 use hdf5_metno as hdf5;
 use hdf5_metno::types::VarLenUnicode;
@@ -10,21 +10,21 @@ use crate::record::provenance::{text, write_scalar, write_text};
 use crate::scene::{Scene, Vec3};
 use crate::space::evaluate::FaceTension;
 
-/// The largest tension of a run, over all steps and faces, and when the strength was passed.
+/// Largest tension of a run over all steps and faces, and the time at which the strength was exceeded.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LargestTension {
-    /// Pa; NaN where stresses are not read.
+    /// Largest principal stress, Pa; NaN if stresses are not read.
     pub value: f64,
-    /// The number of its face.
+    /// Number of the face.
     #[serde(skip)]
     pub face: usize,
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// m.
+    /// Position, m.
     pub point: Vec3,
-    /// When the strength of a face was passed first, s; NaN where none was.
+    /// Time at which the tension first exceeds the strength of a face, s; NaN if it never does.
     pub strength_passed_at: f64,
-    /// Estimated error over its value; NaN where there is no estimate.
+    /// Estimated error divided by the value; NaN if there is no estimate.
     pub error_estimate: f64,
 }
 
@@ -36,13 +36,13 @@ impl Default for LargestTension {
 }
 
 impl LargestTension {
-    /// With its estimated error, unless it is at a clamped edge: the estimate follows the tension under the hit, and at such an edge stresses of a solid have
-    /// no limit.
+    /// Sets the estimated error, or NaN if the point is at a clamped edge. There the stresses of a solid are singular,
+    /// and the estimate, which is for the tension under the impact point, does not apply.
     pub fn with_error(self, error: f64, scene: &Scene) -> Self {
         Self { error_estimate: if scene.is_at_clamped_edge(self.point) { f64::NAN } else { error }, ..self }
     }
 
-    /// Takes a step.
+    /// Includes the tensions (by face) at a step; `strengths` has the strength of each face, Pa.
     pub fn take(&mut self, time: f64, tensions: &[FaceTension], strengths: &[Option<f64>]) {
         for (face, tension) in tensions.iter().enumerate() {
             if self.value.is_nan() || tension.largest > self.value {
@@ -55,10 +55,10 @@ impl LargestTension {
         }
     }
 
-    /// To a checkpoint or from it.
+    /// Saves the values to a checkpoint or restores them from it.
     ///
     /// # Errors
-    /// Those of [`Visitor`].
+    /// Same as [`Visitor`].
     pub fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
         visitor.number("largest_stress", &mut self.value)?;
         visitor.count("largest_stress_face", &mut self.face)?;
@@ -69,7 +69,7 @@ impl LargestTension {
         visitor.number("strength_passed_at", &mut self.strength_passed_at)
     }
 
-    /// Makes the attributes of the root, with nothing in them yet.
+    /// Creates the attributes of the root, with NaN and empty text.
     pub(in crate::record) fn begin(root: &hdf5::Location) -> hdf5::Result<()> {
         for name in NUMBERS {
             write_scalar(root, name, f64::NAN)?;
@@ -78,7 +78,7 @@ impl LargestTension {
         root.new_attr::<f64>().shape(3).create(POINT)?.write(&[f64::NAN; 3])
     }
 
-    /// Fills them in.
+    /// Writes the values to the attributes; `names` are the names of the faces.
     pub(in crate::record) fn update(&self, root: &hdf5::Location, names: &[String]) -> hdf5::Result<()> {
         let values = [self.value, self.time, self.strength_passed_at, self.error_estimate];
         for (name, value) in NUMBERS.into_iter().zip(values) {
@@ -90,8 +90,8 @@ impl LargestTension {
         root.attr(POINT)?.write(&self.point)
     }
 
-    /// Reads what [`Self::update`] has written, with the name of the face; `None` of a result that is older than
-    /// these attributes. Of a run without stresses, or that was killed, they are NaN.
+    /// Reads the attributes written by [`Self::update`], with the name of the face; `None` if the result is older than
+    /// these attributes. They are NaN for a run without stresses or a killed run.
     pub(in crate::record) fn read(root: &hdf5::Location) -> Option<(Self, String)> {
         let [value, time, strength_passed_at, error_estimate] =
             NUMBERS.map(|name| root.attr(name).and_then(|attr| attr.read_scalar::<f64>()).unwrap_or(f64::NAN));

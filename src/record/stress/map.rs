@@ -1,7 +1,7 @@
-//! The largest tension over time at each point of the faces: `/stress_map/<face>/{points, tension, time}`.
+//! Largest tension over time at each point of the faces: `/stress_map/<face>/{points, tension, time}`.
 //!
-//! The datasets have their size when the file begins, so that a kill costs nothing of it. They are written when their content has changed,
-//! with the rows.
+//! The datasets have their final size from the beginning, so that a kill does not damage them. They are written with
+//! the rows if they have changed.
 
 use std::path::Path;
 
@@ -17,25 +17,25 @@ use crate::space::evaluate::TensionMap;
 
 use super::read::order;
 
-/// Where maps are in a result, and what `plot` calls them.
+/// Group of the maps in a result, and their name for the command `plot`.
 pub const STRESS_MAP: &str = "stress_map";
-/// Its attributes: where the hit is, m, and across which axes the map has images.
+/// Attributes of the group: position of the impact point, m, and axes across which the map has mirror images.
 const HIT: &str = "hit";
 const MIRRORED: &str = "mirrored";
 
-/// Where tensions are mapped.
+/// Points of the faces at which tensions are mapped.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MapPoints {
-    /// The points of each face, m; none where there is no map.
+    /// Points of each face, m; empty if there is no map.
     pub faces: Vec<Vec<Vec3>>,
-    /// Where the body is hit, m.
+    /// Position of the impact point, m.
     pub hit: Vec3,
-    /// Whether a quarter is modelled, so that there are images across the plane where this coordinate is zero.
+    /// For each axis: whether the plane where its coordinate is zero is a plane of symmetry of a modelled quarter.
     pub mirrored: [bool; 3],
 }
 
 impl MapPoints {
-    /// The points of the faces of a scene's body.
+    /// Points on the faces of the body of a scene, with its impact point and its planes of symmetry.
     pub fn new(scene: &Scene, faces: Vec<Vec<Vec3>>) -> Self {
         let mirrored = match scene.body.symmetry {
             Symmetry::Quarter { axes } => [0, 1, 2].map(|axis| axes.contains(&axis)),
@@ -45,13 +45,13 @@ impl MapPoints {
     }
 }
 
-/// The datasets of tension and time of each face.
+/// Datasets of tension and time for each face.
 pub(in crate::record) struct MapDatasets {
     faces: Vec<[hdf5::Dataset; 2]>,
 }
 
 impl MapDatasets {
-    /// New ones, without a number in them yet.
+    /// Creates the datasets, filled with NaN.
     pub fn new(file: &hdf5::File, names: &[String], points: &MapPoints) -> hdf5::Result<Self> {
         let mut faces = Vec::new();
         for (name, points) in names.iter().zip(&points.faces) {
@@ -82,7 +82,7 @@ impl MapDatasets {
             let points = first..first + tension.size();
             first = points.end;
             let Some(values) = map.tension.get(points.clone()) else { return Ok(()) };
-            // What is not read has neither.
+            // Points that are not read have neither tension nor time.
             let number = |point: usize, value: f64| if map.tension[point].is_finite() { value } else { f64::NAN };
             let values = points.clone().zip(values).map(|(point, value)| number(point, f64::from(*value)));
             tension.write_raw(&values.collect::<Vec<f64>>())?;
@@ -92,33 +92,33 @@ impl MapDatasets {
     }
 }
 
-/// The largest tension over time at each point of the faces of a result.
+/// Largest tension over time at each point of the faces of a result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StressMaps {
-    /// The hit face first, as of [`super::Stresses`].
+    /// Maps of the faces, the struck face first, in the order of [`super::Stresses`].
     pub faces: Vec<FaceMap>,
-    /// Where the body is hit, m.
+    /// Position of the impact point, m.
     pub hit: Vec3,
-    /// Whether there are images across the plane where this coordinate is zero.
+    /// For each axis: whether the map has mirror images across the plane where its coordinate is zero.
     pub mirrored: [bool; 3],
 }
 
-/// The map of one face.
+/// Map of one face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceMap {
-    /// The face's name.
+    /// Name of the face.
     pub name: String,
-    /// Where tensions are read, m; of a quarter in the part that is modelled.
+    /// Points at which tensions are read, m; for a quarter, in the modelled part.
     pub points: Vec<Vec3>,
-    /// The largest principal stress of all steps at each point, Pa; tension is positive. NaN at points that are not read, and where the run
-    /// was killed before it had told.
+    /// Largest principal stress of all steps at each point, Pa; tension is positive. NaN at points that are not read,
+    /// and if the run was killed before the map was written.
     pub tension: Vec<f64>,
-    /// When it was reached, s; NaN where there is no tension.
+    /// Time at which it was reached, s; NaN where there is no tension.
     pub time: Vec<f64>,
 }
 
 impl FaceMap {
-    /// The point with the largest tension, by its number; `None` where no point has one.
+    /// Number of the point with the largest tension; `None` if no point has a tension.
     pub fn largest(&self) -> Option<usize> {
         let read = self.tension.iter().enumerate().filter(|(_, tension)| !tension.is_nan());
         read.max_by(|one, other| one.1.total_cmp(other.1)).map(|(point, _)| point)
@@ -126,10 +126,10 @@ impl FaceMap {
 }
 
 impl StressMaps {
-    /// Reads the maps of the result `path`; `None` where it has none.
+    /// Reads the maps of the result `path`; `None` if it has none.
     ///
     /// # Errors
-    /// [`Error::Io`] as [`crate::record::read::history`].
+    /// Same as [`crate::record::read::history`]; [`Error::Io`] if the maps cannot be read.
     pub fn read(path: &Path) -> Result<Option<Self>> {
         let file = open(path)?;
         check_run(&file, path)?;

@@ -1,7 +1,7 @@
-//! The largest principal stresses on the faces of a body: what is written of them, and how it is read back.
+//! Largest principal stresses on the faces of a body: writing and reading.
 //!
-//! `/series/stress` has a row for each recorded step, `/stress_map` the largest tension over all steps at each point, and the attributes of
-//! the root the largest of all.
+//! `/series/stress` has a row for each recorded step. `/stress_map` has the largest tension over all steps at each
+//! point. The attributes of the root have the largest tension of the whole run.
 
 mod largest;
 mod map;
@@ -19,19 +19,20 @@ pub(super) use write::{TensionDatasets, rings, rows};
 use crate::impact::step::Step;
 use crate::scene::Strength;
 
-/// What is to be recorded of stresses.
+/// Faces on which stresses are recorded.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Faces {
     /// Names of the faces.
     pub names: Vec<String>,
-    /// Where their tensions are mapped.
+    /// Points at which the tensions are mapped.
     pub map: MapPoints,
-    /// Radial tension at the edge of the contact times α/F, 1/m²: (1 − 2ν)/(2πR), where the impactor has a radius R.
+    /// Factor (1 − 2ν)/(2πR) of Hertz's radial tension at the edge of the contact, 1/m²: the tension is the factor
+    /// times F/α. `None` if the impactor has no radius R.
     pub ring: Option<f64>,
 }
 
 impl Faces {
-    /// Hertz's radial tension at a step, Pa; NaN where it is not recorded.
+    /// Hertz's radial tension at the edge of the contact at a step, Pa; NaN if it is not recorded.
     pub(super) fn ring(&self, step: &Step) -> f64 {
         let contact = &step.contact;
         let is_closed = contact.force > 0.0 && contact.indentation > 0.0;
@@ -39,7 +40,7 @@ impl Faces {
     }
 }
 
-/// The strengths of faces, in their order.
+/// Strength of each face (Pa) in the order of `names`; `None` where the scene gives none.
 pub fn strengths(strength: &Strength, names: &[String]) -> Vec<Option<f64>> {
     names.iter().map(|name| strength.of(name)).collect()
 }

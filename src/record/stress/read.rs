@@ -1,4 +1,4 @@
-//! The largest principal stresses of a result, read back: `/series/stress` and their attributes of the root.
+//! Reads the largest principal stresses of a result: `/series/stress` and the attributes of the root.
 
 use std::path::Path;
 
@@ -10,49 +10,49 @@ use crate::scene::Vec3;
 
 use super::LargestTension;
 
-/// The largest principal stresses of a run, face by face.
+/// Largest principal stresses of a run, by face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stresses {
     /// Time of each row, s.
     pub time: Vec<f64>,
-    /// The hit face first, then the opposite one; of layers from the hit down.
+    /// Faces, the struck one first, then the opposite one; for layers, from the struck one down.
     pub faces: Vec<Face>,
-    /// Hertz's radial tension at the edge of the contact in each row, Pa; empty where it was not recorded.
+    /// Hertz's radial tension at the edge of the contact in each row, Pa; empty if not recorded.
     pub ring: Vec<f64>,
-    /// The largest stress of all faces and rows; `None` without a row.
+    /// Largest stress of all faces and steps; `None` if there is no row.
     pub largest: Option<Largest>,
-    /// Estimated error of the largest stress over its peak; NaN where there is no estimate.
+    /// Estimated error of the largest stress divided by its value; NaN if there is no estimate.
     pub error_estimate: f64,
-    /// When the strength was first passed, s; `None` where it was not.
+    /// Time at which the strength was first exceeded, s; `None` if it never was.
     pub strength_passed_at: Option<f64>,
 }
 
-/// The largest principal stress on one face.
+/// Largest principal stress on one face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {
-    /// `upper` (the hit one), `lower`, or the name of a mesh's surface.
+    /// Name: `upper` (the struck face), `lower`, or the name of a surface of a mesh; for layers such as `2-upper`.
     pub name: String,
-    /// Its value in each row, Pa; tension is positive.
+    /// Stress in each row, Pa; tension is positive.
     pub largest: Vec<f64>,
-    /// Its place in each row, m.
+    /// Position of the stress in each row, m.
     pub point: Vec<Vec3>,
 }
 
-/// A stress with its place and time.
+/// Stress with its position and time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest {
-    /// Pa.
+    /// Stress, Pa.
     pub value: f64,
     /// Name of the face.
     pub face: String,
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// m.
+    /// Position, m.
     pub point: Vec3,
 }
 
 impl Face {
-    /// The largest stress of all rows that have a number, the first of equal ones.
+    /// Largest stress of all rows that are not NaN; the first of equal ones.
     pub fn peak(&self, time: &[f64]) -> Option<Largest> {
         let rows = self.largest.iter().zip(time).zip(&self.point).filter(|((value, _), _)| !value.is_nan());
         let ((value, time), point) = rows.reduce(|one, other| if other.0.0 > one.0.0 { other } else { one })?;
@@ -61,23 +61,23 @@ impl Face {
 }
 
 impl Stresses {
-    /// The largest stress on any face in each row, Pa.
+    /// Largest stress on any face in each row, Pa.
     pub fn largest_of_rows(&self) -> Vec<f64> {
         let largest = |row: usize| self.faces.iter().fold(f64::NAN, |largest, face| largest.max(face.largest[row]));
         (0..self.time.len()).map(largest).collect()
     }
 
-    /// The largest stress on a face: that of the whole run where it is of this face, otherwise of the rows.
+    /// Largest stress on a face: of the whole run if it occurred on this face, otherwise of the recorded rows.
     pub fn peak_on(&self, face: &str) -> Option<Largest> {
         let of_run = self.largest.clone().filter(|largest| largest.face == face);
         of_run.or_else(|| self.faces.iter().find(|of| of.name == face)?.peak(&self.time))
     }
 
-    /// Reads the stresses of the result `path`; `None` where it was made without them. After a kill, datasets may differ in length by one
-    /// flush: the rows are those that all have.
+    /// Reads the stresses of the result `path`; `None` if the result has none. After a kill, the lengths of the
+    /// datasets may differ by the rows of one flush; only the rows present in all of them are returned.
     ///
     /// # Errors
-    /// [`Error::Io`] as [`crate::record::read::history`].
+    /// Same as [`crate::record::read::history`]; [`Error::Io`] if the stresses cannot be read.
     pub fn read(path: &Path) -> Result<Option<Self>> {
         let file = open(path)?;
         check_run(&file, path)?;
@@ -109,7 +109,8 @@ impl Stresses {
             face.largest.truncate(rows);
             face.point.truncate(rows);
         }
-        // All steps count for the attributes, recorded or not. A run that was interrupted may lack them: then its rows tell.
+        // The attributes include all steps, recorded or not. A run that was interrupted may lack them; then the rows
+        // are used.
         let of_rows = faces.iter().filter_map(|face| face.peak(&time));
         let of_rows = of_rows.max_by(|one, other| one.value.total_cmp(&other.value));
         let attributes = LargestTension::read(file);
@@ -128,7 +129,7 @@ impl Stresses {
     }
 }
 
-/// By what faces are sorted: their layer, from the hit down; the upper face before the lower; then the name.
+/// Sort key of the faces: the layer, from the struck face down; the upper face before the lower; then the name.
 pub(super) fn order(name: &str) -> (usize, usize, &str) {
     let (layer, side) = name.split_once('-').and_then(|(n, side)| Some((n.parse().ok()?, side))).unwrap_or((0, name));
     let rank = ["upper", "lower"].iter().position(|known| *known == side).unwrap_or(2);

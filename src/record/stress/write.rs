@@ -1,4 +1,5 @@
-//! The largest tension on each face, row by row: `/series/stress/<face>/{largest, point}` and `/series/stress/ring`.
+//! Writes the largest tension on each face, row by row: `/series/stress/<face>/{largest, point}` and
+//! `/series/stress/ring`.
 
 use hdf5_metno as hdf5;
 use hdf5_metno::plist::dataset_create::FillTime;
@@ -11,17 +12,17 @@ use crate::space::evaluate::FaceTension;
 
 use super::Faces;
 
-/// The group of all.
+/// Group of all datasets of this module.
 const GROUP: &str = "series/stress";
 
-/// The datasets of all faces, in their order, and that of the ring.
+/// Datasets of all faces in their order, and the dataset of the ring tension.
 pub(in crate::record) struct TensionDatasets {
     faces: Vec<[hdf5::Dataset; 2]>,
     ring: Option<hdf5::Dataset>,
 }
 
 impl TensionDatasets {
-    /// Empty ones, which grow; a chunk holds so many rows.
+    /// Creates empty, extensible datasets; `chunk` is the number of rows in a chunk.
     pub fn new(file: &hdf5::File, of: &Faces, chunk: usize) -> hdf5::Result<Self> {
         let dataset = |name: String, columns: usize, units: &str| {
             let builder = file.new_dataset::<f64>();
@@ -29,7 +30,7 @@ impl TensionDatasets {
                 1 => builder.shape((0..,)).chunk((chunk,)),
                 _ => builder.shape((0.., columns)).chunk((chunk, columns)),
             };
-            // As of the series: only new rows are written, the rest of a chunk stays a hole.
+            // As for the series: only new rows are written; the rest of a chunk is a hole in the file.
             let dataset =
                 builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never).create(format!("{GROUP}/{name}").as_str())?;
             write_text(&dataset, "units", units)?;
@@ -44,7 +45,7 @@ impl TensionDatasets {
         })
     }
 
-    /// Writes rows, each with the tension of every face, from a row on, and cuts the datasets behind them.
+    /// Writes rows, each with the tension of every face, from the row `first` on, and cuts the datasets after them.
     pub fn append(&self, first: usize, rows: &[Vec<FaceTension>], ring: &[f64]) -> hdf5::Result<()> {
         let end = first + rows.len();
         for (number, [largest, point]) in self.faces.iter().enumerate() {
@@ -67,21 +68,21 @@ impl TensionDatasets {
     }
 }
 
-/// The first rows of what a result holds of stresses.
+/// Stresses in the first rows of a result.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EarlierTensions {
-    /// Of each row the largest tension on every face.
+    /// Largest tension on every face, for each row.
     pub faces: Vec<Vec<FaceTension>>,
-    /// Of each row the tension at the edge of the contact, where it is recorded.
+    /// Tension at the edge of the contact for each row; `None` if it is not recorded.
     pub ring: Option<Vec<f64>>,
 }
 
-/// The ring's tension at each step.
+/// Tension at the edge of the contact at each step, Pa.
 pub(in crate::record) fn rings(of: &Faces, steps: &[Step]) -> Vec<f64> {
     steps.iter().map(|step| of.ring(step)).collect()
 }
 
-/// The first rows of a result, each with the tension of every face.
+/// First `rows` rows of a result, each with the tension of every face of `names`.
 pub(in crate::record) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<FaceTension>>> {
     let mut all = vec![Vec::with_capacity(names.len()); rows];
     for name in names {

@@ -1,4 +1,4 @@
-//! A sweep's file before its first member.
+//! Creates the file of a sweep, before its first member.
 
 use super::member::Quantity;
 use super::write::{KIND, Message};
@@ -10,16 +10,16 @@ use hdf5_metno::plist::dataset_create::FillTime;
 use hdf5_metno::types::VarLenUnicode;
 use std::path::Path;
 
-/// Contacts that a member is given room for, and at least and at most in all.
+/// Number of contacts reserved for each member; minimum and maximum number of contacts in a chunk.
 const ROOM: usize = 8;
 const CHUNK: (usize, usize) = (1 << 12, 1 << 22);
 
-/// Contacts in a chunk of the table of so many members.
+/// Number of contacts in a chunk of the table of contacts, for a number of members.
 pub(super) fn chunk(members: usize) -> usize {
     (ROOM * members).clamp(CHUNK.0, CHUNK.1)
 }
 
-/// The file at `path` with its attributes and all its datasets.
+/// Creates the file at `path` with its attributes and all its datasets.
 pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     let (file, members) = (hdf5::File::create(path)?, header.members());
     for (name, text) in [
@@ -37,7 +37,7 @@ pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     write_scalar(&file, "series", header.has_series)?;
     write_scalar(&file, "complete", false)?;
     let names = header.probes.iter().map(|name| word(name)).collect::<hdf5::Result<Vec<_>>>()?;
-    // HDF5 has no attributes of no values.
+    // HDF5 attributes cannot be empty.
     if !names.is_empty() {
         file.new_attr::<VarLenUnicode>().shape(names.len()).create("probes")?.write(&names)?;
     }
@@ -77,7 +77,7 @@ pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     Ok(file)
 }
 
-/// A quantity of all members, not known yet.
+/// Creates the dataset of a quantity for all members, filled with NaN.
 pub(super) fn new_quantity(
     file: &hdf5::File,
     (_, name, units): &(Quantity, &str, &str),

@@ -1,4 +1,4 @@
-//! What is kept of one member of a sweep.
+//! Data stored for one member of a sweep.
 
 use crate::impact::Probe;
 use crate::impact::step::Step;
@@ -9,67 +9,68 @@ use crate::record::episodes::{Episode, Episodes};
 use crate::record::probes::{self, Whole};
 use crate::record::stress::LargestTension;
 
-/// How far a member is.
+/// Status of a member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Status {
     /// Not computed yet.
     Missing = 0,
-    /// Computed to its end.
+    /// Computed to the end of the run.
     Done = 1,
-    /// The solve failed.
+    /// Solution failed.
     Failed = 2,
-    /// The scene turned out to be wrong on its mesh.
+    /// Scene rejected when its mesh was known.
     Refused = 3,
 }
 
 impl Status {
-    /// The status with a number; what has none is missing.
+    /// Status with a number; [`Self::Missing`] for unknown numbers.
     pub fn from_number(number: u8) -> Self {
         [Self::Done, Self::Failed, Self::Refused].into_iter().find(|s| *s as u8 == number).unwrap_or(Self::Missing)
     }
 }
 
-/// A number that is kept of each member.
+/// Scalar result stored for each member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// Largest F at a step, N.
+    /// Largest contact force F at a step, N.
     PeakForce,
-    /// Largest F/m0 at a step, m/s².
+    /// Largest deceleration F/m0 at a step, m/s².
     PeakAcceleration,
-    /// Its time, s.
+    /// Time of the largest force, s.
     PeakTime,
-    /// ∫ F dt over all contacts, N s.
+    /// Impulse ∫ F dt of all contacts, N s.
     Impulse,
     /// Number of contact episodes.
     Contacts,
-    /// 1 if the last contact lasts at the end of the run, else 0.
+    /// 1 if the contact lasts at the end of the run, otherwise 0.
     OpenAtEnd,
-    /// The impactor's velocity at the end along its direction of travel, m/s: negative where it rebounds.
+    /// Velocity of the impactor at the end along its initial direction, m/s; negative after a rebound.
     ReboundSpeed,
-    /// Estimated error of the acceleration history over its peak.
+    /// Estimated error of the acceleration history divided by its peak.
     ErrorEstimate,
-    /// The same in the first contact alone, as far as it is known before the first step.
+    /// Error of the acceleration in the first contact divided by its peak, as estimated before the first step.
     FirstContactError,
-    /// Largest deflection under the impactor over the body's thickness.
+    /// Largest deflection under the impactor divided by the thickness of the body.
     DeflectionOverThickness,
     /// Largest tension on any face, Pa.
     LargestStress,
-    /// On which face: its number in the order of "upper", "lower", or of the names of a mesh's surfaces, from 0.
+    /// Face of the largest tension: its number in the order "upper", "lower", or in the order of the names of a mesh's
+    /// surfaces, from 0.
     LargestStressFace,
-    /// When, s.
+    /// Time of the largest tension, s.
     LargestStressTime,
-    /// When the strength of a face was passed first, s; NaN where it was not.
+    /// Time at which the tension first exceeds the strength of a face, s; NaN if it never does.
     StrengthPassedAt,
-    /// Estimated error of the largest tension over its value.
+    /// Estimated error of the largest tension divided by its value.
     StressErrorEstimate,
-    /// Number of unknowns, the impactor's included.
+    /// Number of unknowns, including the impactor's.
     Unknowns,
     /// Wall time, s.
     WallTime,
 }
 
 impl Quantity {
-    /// All of them, with the names of their datasets and their units.
+    /// All quantities in their order, with the names of their datasets and their units.
     pub(super) const ALL: [(Self, &'static str, &'static str); 17] = [
         (Self::PeakForce, "peak_force", "N"),
         (Self::PeakAcceleration, "peak_acceleration", "m/s2"),
@@ -90,38 +91,38 @@ impl Quantity {
         (Self::WallTime, "wall_time", "s"),
     ];
 
-    /// That of a dataset of `/members`, with its unit.
+    /// Quantity of a dataset of `/members`, with its unit; `None` for other names.
     pub fn named(name: &str) -> Option<(Self, &'static str)> {
         Self::ALL.into_iter().find(|(_, of, _)| *of == name).map(|(quantity, _, units)| (quantity, units))
     }
 
-    /// The names of all datasets.
+    /// Names of all datasets.
     pub fn names() -> impl Iterator<Item = &'static str> {
         Self::ALL.into_iter().map(|(_, name, _)| name)
     }
 }
 
-/// One member.
+/// Results of one member.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Member {
-    /// Its number, from 0.
+    /// Number of the member, from 0.
     pub index: usize,
-    /// How it ended.
+    /// Status at the end of the computation.
     pub status: Status,
-    /// Why it did not come to its end; empty if it did.
+    /// Reason for a failure; empty if the member is done.
     pub message: String,
-    /// By [`Quantity`]; NaN where it is not known.
+    /// Values by [`Quantity`]; NaN where unknown.
     pub quantities: [f64; Quantity::ALL.len()],
-    /// Its contacts.
+    /// Contact episodes.
     pub contacts: Vec<Episode>,
-    /// Its series where they are kept: a list a dataset of `/series` of a run.
+    /// Series, one list for each dataset of `/series` of a run; `None` if they are not stored.
     pub series: Option<Vec<Vec<f64>>>,
-    /// What the scene's probes have read in the rows of the series, in their order.
+    /// Values of the probes in the rows of the series, in the order of the scene.
     pub probes: Vec<Whole>,
 }
 
 impl Member {
-    /// A member that is not computed yet. With `has_series` the steps that it is given are kept.
+    /// New member that is not computed yet. With `has_series` its steps are stored.
     pub fn new(index: usize, has_series: bool) -> Self {
         Self {
             index,
@@ -134,20 +135,20 @@ impl Member {
         }
     }
 
-    /// One of its numbers.
+    /// Value of a quantity.
     pub fn get(&self, quantity: Quantity) -> f64 {
         self.quantities[quantity as usize]
     }
 
-    /// Sets one of its numbers.
+    /// Sets the value of a quantity.
     pub fn set(&mut self, quantity: Quantity, value: f64) {
         self.quantities[quantity as usize] = value;
     }
 
-    /// Takes an accepted step into the peaks, and into the series, with what probes have read at it, where its number is a multiple of
-    /// `every`.
+    /// Adds an accepted step to the peaks. If series are stored and the number of the step is a multiple of `every`,
+    /// the step and the values of the probes are appended to the series.
     pub fn push(&mut self, step: &Step, read: &[Probe], every: usize) {
-        // Without a contact the peak is zero, at the beginning.
+        // Without a contact the peak is zero at the first step.
         if step.number == 0 || step.contact.force > self.get(Quantity::PeakForce) {
             self.set(Quantity::PeakForce, step.contact.force);
             self.set(Quantity::PeakAcceleration, step.impactor.acceleration);
@@ -161,7 +162,7 @@ impl Member {
         }
     }
 
-    /// Takes the largest tension of all its steps.
+    /// Stores the largest tension of all steps.
     pub fn set_tension(&mut self, tension: &LargestTension) {
         let LargestTension { value, face, time, strength_passed_at, error_estimate, .. } = *tension;
         self.set(Quantity::LargestStress, value);
@@ -171,7 +172,7 @@ impl Member {
         self.set(Quantity::StressErrorEstimate, error_estimate);
     }
 
-    /// Takes the contacts of all its steps.
+    /// Stores the contacts of all steps.
     pub fn set_contacts(&mut self, episodes: &Episodes) {
         self.contacts = episodes.all().to_vec();
         self.set(Quantity::Impulse, self.contacts.iter().map(|contact| contact.impulse).sum());
@@ -179,13 +180,13 @@ impl Member {
         self.set(Quantity::OpenAtEnd, f64::from(u8::from(episodes.is_open())));
     }
 
-    /// Ends it without a result: what it was given is not the answer.
+    /// Discards all results and stores a status and a message instead.
     pub fn fail(self, status: Status, message: String) -> Self {
         Self { status, message, ..Self::new(self.index, self.series.is_some()) }
     }
 }
 
-/// An episode from its columns in a table of contacts.
+/// Contact episode from its columns in the table of contacts.
 pub(super) fn episode([start, end, peak_force, peak_time, impulse]: [f64; 5]) -> Episode {
     Episode { start, end, peak_force, peak_time, impulse }
 }

@@ -1,4 +1,4 @@
-//! The result of a sweep: one file for all members.
+//! Result of a sweep: one file for all members.
 
 mod begin;
 mod member;
@@ -10,12 +10,12 @@ pub use member::{Member, Quantity, Status};
 pub use read::{Sweep, is_one, is_sweep};
 pub use write::SweepWriter;
 
-/// What a sweep is of, and where it comes from: the attributes of the file's root.
+/// Definition and provenance of a sweep: the attributes of the root of its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
     /// Title of the scene.
     pub title: String,
-    /// The scene's full text, without the members' values.
+    /// Full text of the scene, without the values of the members.
     pub scene: String,
     /// Version of the program.
     pub version: String,
@@ -27,40 +27,40 @@ pub struct Header {
     pub petsc_options: String,
     /// Number of MPI ranks.
     pub ranks: usize,
-    /// What is varied, the slowest first; at least one.
+    /// Varied keys, the slowest first; at least one.
     pub keys: Vec<Key>,
-    /// Whether the members' series are kept.
+    /// Whether the series of the members are stored.
     pub has_series: bool,
-    /// Names of the probes in these series.
+    /// Names of the probes in the series.
     pub probes: Vec<String>,
-    /// `(i, n)` in a part that has the members i − 1, i − 1 + n, … alone.
+    /// Shard `(i, n)` if the file has only the members i − 1, i − 1 + n, …; `None` if it has all.
     pub shard: Option<(usize, usize)>,
 }
 
-/// A key of the scene that is varied.
+/// Varied key of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Key {
-    /// Its dotted path.
+    /// Dotted path of the key.
     pub path: String,
-    /// Unit of its values.
+    /// Unit of the values.
     pub units: String,
-    /// Whether its values belong on a logarithmic axis.
+    /// Whether a figure shows the values on a logarithmic axis.
     pub is_log: bool,
-    /// Its value in every member.
+    /// Value of the key in every member.
     pub values: Values,
 }
 
-/// One value a member.
+/// Values of a key, one for each member.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// Numbers, in the key's unit.
     Numbers(Vec<f64>),
-    /// As the scene has them.
+    /// Texts, as in the scene.
     Words(Vec<String>),
 }
 
 impl Values {
-    /// How many there are.
+    /// Number of values.
     pub fn count(&self) -> usize {
         match self {
             Self::Numbers(numbers) => numbers.len(),
@@ -75,10 +75,10 @@ impl Header {
         self.keys.first().map_or(0, |key| key.values.count())
     }
 
-    /// Whether `other` has the same members with the same results: the same scene, keys and values.
+    /// Checks that `other` has the same members with the same results: the same scene, keys and values.
     ///
     /// # Errors
-    /// What is different in `other`.
+    /// If they differ: text with the difference, as a statement about `other`.
     pub fn check_same(&self, other: &Self) -> Result<(), String> {
         if self.scene != other.scene {
             return Err("holds a sweep of another scene".into());

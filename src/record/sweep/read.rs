@@ -1,4 +1,4 @@
-//! A sweep read back.
+//! Reads a sweep.
 
 use super::member::{Member, Quantity, Status, episode};
 use super::{Header, Key, Values};
@@ -15,18 +15,18 @@ use std::path::{Path, PathBuf};
 
 use super::write::{KIND, Message};
 
-/// A sweep as its file has it.
+/// Content of the file of a sweep.
 #[derive(Debug)]
 pub struct Sweep {
-    /// What it is of.
+    /// Definition and provenance of the sweep.
     pub header: Header,
-    /// How far each member is.
+    /// Status of each member.
     pub status: Vec<Status>,
-    /// A list a [`Quantity`], one value a member.
+    /// For each [`Quantity`] a list with one value for each member.
     pub(super) quantities: Vec<Vec<f64>>,
-    /// The contacts of all members that are done, in the order of the members, each with its member.
+    /// Contacts of all members that are done, each with the number of its member, in the order of the members.
     pub contacts: Vec<(usize, Episode)>,
-    /// Why members failed.
+    /// Reasons for the failures, by member.
     pub(super) messages: BTreeMap<usize, String>,
     path: PathBuf,
     file: hdf5::File,
@@ -35,26 +35,26 @@ pub struct Sweep {
 /// Whether a file is a sweep.
 ///
 /// # Errors
-/// [`Error::Io`] where it is no readable HDF5 file.
+/// [`Error::Io`] if it is not a readable HDF5 file.
 pub fn is_sweep(path: &Path) -> Result<bool> {
     open(path).map(|file| is_one(&file))
 }
 
-/// Whether an open file is one.
+/// Whether an open file is a sweep.
 pub fn is_one(file: &hdf5::File) -> bool {
     text(file, "kind").is_ok_and(|kind| kind == KIND)
 }
 
 impl Sweep {
-    /// Reads a sweep, but for the series.
+    /// Reads a sweep without its series.
     ///
     /// # Errors
-    /// [`Error::Io`] where it is no sweep, or still being written.
+    /// [`Error::Io`] if the file is not a sweep, or is still being written.
     pub fn read(path: &Path) -> Result<Self> {
         Self::of(path, open(path)?)
     }
 
-    /// The sweep in an open file.
+    /// Reads the sweep from an open file.
     pub(super) fn of(path: &Path, file: hdf5::File) -> Result<Self> {
         if !is_one(&file) {
             return Err(Error::io(path, "is not a sweep of ricochet"));
@@ -62,15 +62,15 @@ impl Sweep {
         read(path, file).map_err(|error| Error::io(path, format!("is not a whole sweep of ricochet: {error}")))
     }
 
-    /// One number of each member; NaN where there is none.
+    /// Values of a quantity, one for each member; NaN where it is unknown.
     pub fn quantity(&self, quantity: Quantity) -> &[f64] {
         &self.quantities[quantity as usize]
     }
 
-    /// All that is known of a member.
+    /// All data of a member.
     ///
     /// # Errors
-    /// [`Error::Io`] where its series cannot be read.
+    /// [`Error::Io`] if its series cannot be read.
     pub fn member(&self, index: usize) -> Result<Member> {
         self.read_member(index)
             .map_err(|error| Error::io(&self.path, format!("member {index} cannot be read: {error}")))
@@ -81,7 +81,7 @@ impl Sweep {
         member.status = self.status[index];
         member.message = self.messages.get(&index).cloned().unwrap_or_default();
         member.quantities = std::array::from_fn(|n| self.quantities[n][index]);
-        // In order, so that those of a member are found by halving.
+        // The contacts are sorted by member, so a binary search finds them.
         let from = self.contacts.partition_point(|(member, _)| *member < index);
         let of_member = self.contacts[from..].iter().take_while(|(member, _)| *member == index);
         member.contacts = of_member.map(|(_, contact)| *contact).collect();
@@ -94,18 +94,18 @@ impl Sweep {
         Ok(member)
     }
 
-    /// The open file.
+    /// Open file of the sweep.
     pub(super) fn file(&self) -> &hdf5::File {
         &self.file
     }
 
-    /// The open file again.
+    /// Returns the open file.
     pub(super) fn into_file(self) -> hdf5::File {
         self.file
     }
 }
 
-/// `series/<index>/…` for a column of `series/…`.
+/// Path `series/<index>/…` of a member for the path `series/…` of a column.
 pub(super) fn series_path(index: usize, column: &str) -> String {
     format!("series/{index}/{}", column.trim_start_matches("series/"))
 }
@@ -116,8 +116,7 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let status: Vec<u8> = file.dataset("members/status")?.read_raw()?;
     let status: Vec<Status> = status.into_iter().map(Status::from_number).collect();
     let of = |(quantity, name, _): &(Quantity, &str, &str)| match (file.dataset(&format!("members/{name}")), quantity) {
-        // What an earlier version did not have.
-        // Of sweeps that are older than these columns.
+        // Sweeps of earlier versions lack these datasets.
         (
             Err(_),
             Quantity::FirstContactError
@@ -135,7 +134,7 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     if status.len() != members || lengths.into_iter().any(|length| length != members) {
         return Err(format!("its datasets are not of {members} members each").into());
     }
-    // After a kill the columns may differ in length; the rows of members that are done are in all of them.
+    // After a kill the columns may differ in length; the rows of members that are done are present in all of them.
     let of_rows: Vec<u64> = file.dataset("contacts/member")?.read_raw()?;
     let columns = CONTACTS.iter().map(|column| file.dataset(column.path)?.read_raw::<f64>());
     let columns = columns.collect::<hdf5::Result<Vec<_>>>()?;

@@ -1,9 +1,10 @@
-//! A sweep's file, written while its members come in.
+//! Writes the file of a sweep while its members are computed.
 //!
-//! A process may be killed at any moment. The datasets of the members have their final size from the beginning, so that a flush
-//! moves nothing in the file; a member's status is written when all else of it is on the disk. What is not safe is the moment of
-//! a flush in which the table of contacts outgrows its chunk, or in which series come in. A full disk spoils nothing: room is made before
-//! anything is written, and after an error nothing is.
+//! A process may be killed at any moment. The datasets of the members have their final size from the beginning, so that
+//! a flush moves nothing in the file. The status of a member is written when all its other data are on the disk. Two
+//! moments are not safe: the flush in which the table of contacts outgrows its chunk, and the flush in which series are
+//! added. A full disk does no damage: space is reserved before anything is written, and after an error nothing more is
+//! written.
 
 use super::Header;
 use super::begin::{begin, chunk, new_quantity};
@@ -23,39 +24,41 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Attribute `kind` of the root.
+/// Value of the attribute `kind` of the root.
 pub(super) const KIND: &str = "sweep";
-/// Why a member failed: of a fixed length, so that it has its place from the beginning.
+/// Reason why a member failed. It has a fixed length, so that its space exists from the beginning.
 pub(super) type Message = FixedUnicode<MESSAGE>;
 const MESSAGE: usize = 400;
-/// Wall time between two flushes: what a kill may cost.
+/// Wall time between two flushes, and thus the largest wall time lost by a kill.
 const FLUSH_EVERY: Duration = Duration::from_secs(1);
 
-/// Writes a sweep. One process (rank 0) has it.
+/// Writes a sweep. Only one process (rank 0) has a writer.
 pub struct SweepWriter {
     path: PathBuf,
     file: hdf5::File,
     header: Header,
-    /// As on the disk, and what is to come.
+    /// Status of each member. This and the following fields include members that are not on the disk yet.
     status: Vec<Status>,
     quantities: Vec<Vec<f64>>,
     contacts: Vec<(usize, Episode)>,
     contacts_written: usize,
     messages: BTreeMap<usize, String>,
-    /// Whether there was no file, and no member has come in yet.
+    /// Whether the file is new and has no member yet.
     is_new: bool,
     /// Members that are not on the disk yet.
     fresh: Vec<usize>,
     flushed: Instant,
-    /// Whether a write has failed. What HDF5 still has in memory may lead to what is not on the disk.
+    /// Whether a write operation has failed. Nothing more is written then, because metadata in memory may refer to data
+    /// that are not on the disk.
     has_failed: bool,
 }
 
 impl SweepWriter {
-    /// Begins the sweep `path`, or continues it if it is there.
+    /// Creates the sweep `path`, or continues it if it exists.
     ///
     /// # Errors
-    /// [`Error::Io`] where `path` is something else, or a sweep of another scene or of other values, or cannot be written.
+    /// [`Error::Io`] if `path` is another kind of file, or a sweep of another scene or of other values, or if it cannot
+    /// be written.
     pub fn open(path: &Path, header: &Header) -> Result<Self> {
         target::check_writable(path, target::Kind::Sweep)?;
         if path.exists() { Self::resume(path, header) } else { Self::create(path, header) }
@@ -67,7 +70,7 @@ impl SweepWriter {
         let named = begun
             .and_then(|file| fs::rename(&part, target::resolved(path)).map(|()| file).map_err(|e| Error::io(path, e)));
         if named.is_err() {
-            // The error in hand says more than one of the removal would.
+            // The present error says more than an error of the removal.
             let _ = fs::remove_file(&part);
         }
         let members = header.members();
@@ -92,7 +95,7 @@ impl SweepWriter {
         let sweep = Sweep::of(path, file)?;
         header.check_same(&sweep.header).map_err(|why| Error::io(path, format!("{why}: choose another file")))?;
         let file = sweep.file();
-        // What an earlier version did not have yet.
+        // Quantities that an earlier version did not store.
         let missing = Quantity::ALL.iter().filter(|(_, name, _)| !file.link_exists(&format!("members/{name}")));
         missing
             .into_iter()
@@ -104,7 +107,7 @@ impl SweepWriter {
             status: sweep.status.clone(),
             quantities: sweep.quantities.clone(),
             contacts: sweep.contacts.clone(),
-            // All are written again, since some may belong to members whose status did not reach the disk.
+            // All are written again, because some may belong to members whose status did not reach the disk.
             contacts_written: 0,
             messages: sweep.messages.clone(),
             is_new: false,
@@ -115,35 +118,35 @@ impl SweepWriter {
         })
     }
 
-    /// What the file is of: its own header, as it was begun.
+    /// Header of the file, as it was created.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// How far each member is.
+    /// Status of each member.
     pub fn status(&self) -> &[Status] {
         &self.status
     }
 
-    /// Why members failed.
+    /// Reasons for the failures, by member.
     pub fn messages(&self) -> &BTreeMap<usize, String> {
         &self.messages
     }
 
-    /// One number of each member.
+    /// Values of a quantity, one for each member; NaN where it is unknown.
     pub fn quantity(&self, quantity: Quantity) -> &[f64] {
         &self.quantities[quantity as usize]
     }
 
-    /// Takes a member over. It is on the disk about a second later.
+    /// Records a member. It is on the disk about a second later.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn push(&mut self, member: &Member) -> Result<()> {
         let columns = member.series.iter().flatten().map(Vec::len).chain(member.probes.iter().flatten().map(Vec::len));
-        let series: u64 = columns.map(|length| room::OF_DATASET + 8 * length as u64).sum();
+        let series: u64 = columns.map(|length| room::BYTES_PER_DATASET + 8 * length as u64).sum();
         if let Err(error) = self.make_room(series, member.contacts.len()) {
-            // For those before it there is room.
+            // There is space for the earlier members.
             let _ = self.flush();
             self.has_failed = true;
             return Err(error);
@@ -153,25 +156,26 @@ impl SweepWriter {
         self.flush_if_due()
     }
 
-    /// Writes what came in, if the last time was long ago.
+    /// Writes the recorded members if the last flush was at least a second ago.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn flush_if_due(&mut self) -> Result<()> {
         if self.flushed.elapsed() >= FLUSH_EVERY { self.flush() } else { Ok(()) }
     }
 
-    /// Has so many bytes at the end of the file for series, and what so many contacts more and HDF5 itself need.
+    /// Reserves space at the end of the file: `series` bytes for series, and the space for `contacts` more contacts and
+    /// for the metadata of HDF5.
     fn make_room(&self, series: u64, contacts: usize) -> Result<()> {
-        // Whole chunks of the columns, where contacts outgrow those that are there.
+        // New contacts may need further chunks, which are allocated whole in each column.
         let chunk = chunk(self.header.members());
         let more = (self.contacts.len() + contacts).div_ceil(chunk) - self.contacts_written.div_ceil(chunk);
         let of_contacts = 8 * (1 + CONTACTS.len() as u64) * (more * chunk) as u64;
-        let made = room::make(&self.path, self.file.size() + series + of_contacts + room::OF_FLUSH);
+        let made = room::make(&self.path, self.file.size() + series + of_contacts + room::BYTES_PER_FLUSH);
         made.map_err(|error| Error::io(&self.path, format!("cannot be written: {}", plain(&error))))
     }
 
-    /// The same result as an error of this file, which is left alone from then on.
+    /// Converts an error of HDF5 to an error of this file, and remembers it so that nothing more is written.
     fn noted<T>(&mut self, result: hdf5::Result<T>) -> Result<T> {
         self.has_failed |= result.is_err();
         result.map_err(|error| not_written(&self.path, &error))
@@ -186,7 +190,7 @@ impl SweepWriter {
         }
         if let Some(series) = member.series.as_ref().filter(|_| member.status == Status::Done) {
             let root = self.file.group("series")?;
-            // What a kill has left.
+            // A killed process may have left it.
             if root.link_exists(&index.to_string()) {
                 root.unlink(&index.to_string())?;
             }
@@ -207,10 +211,10 @@ impl SweepWriter {
         Ok(())
     }
 
-    /// Writes what came in, so that it outlives the process.
+    /// Writes the recorded members, so that they survive the end of the process.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn flush(&mut self) -> Result<()> {
         if self.fresh.is_empty() {
             self.flushed = Instant::now();
@@ -233,7 +237,7 @@ impl SweepWriter {
             self.file.dataset(&format!("members/{name}"))?.write_slice(&values[range.clone()], range.clone())?;
         }
         self.write_contacts()?;
-        // First all else, then the word that it is there.
+        // The status follows when all other data are on the disk.
         self.file.flush()?;
         let status: Vec<u8> = self.status[range.clone()].iter().map(|status| *status as u8).collect();
         self.file.dataset("members/status")?.write_slice(&status, range)?;
@@ -255,10 +259,11 @@ impl SweepWriter {
         Ok(())
     }
 
-    /// Ends the file for now: the contacts in the order of the members, and whether all members are there.
+    /// Finishes the file for this call of the program: sorts the contacts by member, and writes whether all members are
+    /// present.
     ///
     /// # Errors
-    /// [`Error::Io`] when writing fails.
+    /// [`Error::Io`] if writing fails.
     pub fn finish(&mut self) -> Result<()> {
         self.flush()?;
         let mut mark = || {
@@ -276,7 +281,7 @@ impl SweepWriter {
         room::give_back(&self.path, self.file.size()).map_err(|error| Error::io(&self.path, error))
     }
 
-    /// The members that belong into this file.
+    /// Members that belong to this file: all, or the ones of its shard.
     pub fn mine(&self) -> impl Iterator<Item = usize> + use<> {
         let (first, pace) = self.header.shard.map_or((0, 1), |(i, n)| (i - 1, n));
         (first..self.status.len()).step_by(pace)
@@ -284,10 +289,10 @@ impl SweepWriter {
 }
 
 impl Drop for SweepWriter {
-    /// Writes what came in; an error has nobody to go to. A new sweep without a member leaves nothing behind.
+    /// Writes the recorded members; errors are ignored. A new sweep without a member is removed.
     fn drop(&mut self) {
         if self.has_failed {
-            // Closing it would write what is in memory; the program ends without that.
+            // Closing the file would write the data in memory, so it is left open until the process ends.
             std::mem::forget(self.file.clone());
         }
         let _ = match self.is_new {
@@ -298,13 +303,13 @@ impl Drop for SweepWriter {
     }
 }
 
-/// An error of the system without its number.
+/// Error text of the operating system without the error number.
 fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or_default().to_owned()
 }
 
-/// The text, cut where it is too long.
+/// Text cut to [`MESSAGE`] bytes, with NUL characters replaced by spaces.
 fn fixed(text: &str) -> Message {
     let end = (0..=MESSAGE.min(text.len())).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
     text[..end].replace('\0', " ").parse().unwrap_or_default()
