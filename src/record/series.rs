@@ -319,12 +319,14 @@ impl SeriesWriter {
     }
 
     fn write(&mut self) -> hdf5::Result<()> {
+        // If this fails, the rows remain, and closing the file tries to write them again.
         let (probes, tensions): (Vec<_>, Vec<_>) =
-            self.read.iter_mut().map(|read| (std::mem::take(&mut read.probes), read.faces.clone())).unzip();
+            self.read.iter().map(|read| (&read.probes[..], read.faces.clone())).unzip();
         self.probes.append(self.rows_written, &probes)?;
         self.tensions.append(self.rows_written, &tensions, &rings(&self.faces, &self.buffer))?;
-        if std::mem::take(&mut self.map_is_new) {
+        if self.map_is_new {
             self.map_datasets.write(&self.map)?;
+            self.map_is_new = false;
         }
         append(&self.series, &SERIES, self.rows_written, &self.buffer)?;
         // An open episode changes, so the episode written last is written again.

@@ -22,6 +22,7 @@ pub const TESTS: &[PlainTest] = tests![
     an_interrupted_run_is_replaced_by_force_alone,
     a_dangling_link_is_followed,
     a_figure_is_whole_or_not_there,
+    a_full_disk_ends_a_run_with_probes,
     scenes_come_through_pipes,
     a_scene_that_cannot_be_read_is_an_error_of_input,
     a_name_that_is_no_text_is_told_at_once,
@@ -143,6 +144,23 @@ fn a_figure_is_whole_or_not_there() {
     let before = fs::read(folder.path().join("new.png")).unwrap();
     bash(folder.path(), "trap '' XFSZ; ulimit -f 1; ricochet plot out.h5 -o new.png");
     assert!(fs::read(folder.path().join("new.png")).unwrap() == before);
+}
+
+/// A run that meets a full disk while it writes its last rows ends with one message, also if it has probes. The limits
+/// are just below the size of the complete file.
+fn a_full_disk_ends_a_run_with_probes() {
+    let scene = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/pane.toml")).unwrap();
+    let folder = folder(&scene);
+    let line = "run scene.toml -o out.h5 --force --set time.scheme=newmark --set time.step=1e-5 --set output.checkpoint_steps=20";
+    good(&folder, 0, line);
+    let blocks = fs::metadata(folder.path().join("out.h5")).unwrap().len() / 1024;
+    for less in [2, 5, 8] {
+        let limited = format!("trap '' XFSZ; ulimit -f {}; ricochet {line}", blocks - less);
+        let outcome = bash(folder.path(), &limited);
+        assert_eq!(outcome.status, Some(4), "{less} blocks less: {outcome:#?}");
+        assert!(outcome.stderr.contains("error: out.h5: cannot be written: File too large"), "{outcome:#?}");
+        assert!(!outcome.stderr.contains("panicked"), "{outcome:#?}");
+    }
 }
 
 fn scenes_come_through_pipes() {

@@ -26,7 +26,7 @@ pub struct Faces {
     pub names: Vec<String>,
     /// Points at which the tensions are mapped.
     pub map: MapPoints,
-    /// Factor (1 − 2ν)/(2πR) of Hertz's radial tension at the edge of the contact, 1/m²: the tension is the factor
+    /// Factor (1 − 2ν)/(2πR) of Hertz's radial tension at the edge of the contact, 1/m: the tension is the factor
     /// times F/α. `None` if the impactor has no radius R.
     pub ring: Option<f64>,
 }

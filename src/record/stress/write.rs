@@ -88,7 +88,7 @@ pub(in crate::record) fn rows(file: &hdf5::File, names: &[String], rows: usize) 
     for name in names {
         let column = |of: &str| file.dataset(&format!("{GROUP}/{name}/{of}"))?.read_raw::<f64>();
         let (largest, points) = (column("largest")?, column("point")?);
-        if largest.len() < rows {
+        if largest.len() < rows || points.len() < 3 * rows {
             return Err(format!("/{GROUP}/{name} has {} rows, and its checkpoint {rows}", largest.len()).into());
         }
         for ((row, largest), point) in all.iter_mut().zip(largest).zip(points.chunks_exact(3)) {
