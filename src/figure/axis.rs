@@ -1,13 +1,13 @@
-//! An axis with rounded limits and tick labels that can be read.
+//! A linear axis with rounded limits and rounded tick labels.
 
-/// About as many ticks as an axis is given.
+/// Approximate number of intervals between the ticks of an axis.
 const TICKS: f64 = 7.0;
 
-/// A power of ten that some units take as a prefix.
+/// A metric prefix for a power of ten.
 struct Prefix {
     exponent: i32,
     symbol: &'static str,
-    /// The units with which engineers use it; others, such as m/s², keep the power.
+    /// Units with which engineers use the prefix. Other units, such as m/s², keep the power of ten.
     units: &'static [&'static str],
 }
 
@@ -19,22 +19,22 @@ const PREFIXES: [Prefix; 5] = [
     Prefix { exponent: 9, symbol: "G", units: &["Pa"] },
 ];
 
-/// A linear axis; its limits are multiples of the distance between its ticks.
+/// A linear axis whose limits are multiples of the tick spacing.
 pub(super) struct Axis {
     pub low: f64,
     pub high: f64,
     step: f64,
-    /// Labels are in units of ten to this power.
+    /// Labels are values divided by ten to this power.
     exponent: i32,
 }
 
 impl Axis {
-    /// The axis for finite values between `low` and `high`.
+    /// Makes an axis for finite values between `low` and `high`.
     pub fn spanning(low: f64, high: f64) -> Self {
-        // Without an extent there is no scale: one unit.
+        // An empty range gets an extent of one.
         let high = if high > low { high } else { low + 1.0 };
         let step = rounded_up((high - low) / TICKS);
-        // A limit that is met but for rounding needs no further step.
+        // A limit that equals a multiple of the spacing up to rounding is not moved to the next multiple.
         let low = (low / step + 1e-9).floor() * step;
         let high = (high / step - 1e-9).ceil() * step;
         let size = low.abs().max(high.abs());
@@ -64,7 +64,7 @@ impl Axis {
             .collect()
     }
 
-    /// `unit` with the power of ten that the labels leave out, as a prefix where the unit takes one.
+    /// `unit` with the power of ten omitted from the labels, written as a prefix if one is in use for the unit.
     pub fn unit(&self, unit: &str) -> String {
         if self.exponent == 0 {
             return unit.to_owned();
@@ -76,7 +76,7 @@ impl Axis {
     }
 }
 
-/// A power of ten, as 10⁻⁶.
+/// A power of ten in the form 10⁻⁶.
 pub(crate) fn exponential(exponent: i32) -> String {
     let superscript = |c| match c {
         '-' => '\u{207b}',
@@ -89,7 +89,7 @@ pub(crate) fn exponential(exponent: i32) -> String {
     format!("10{power}")
 }
 
-/// The next of 1, 2, 2.5 and 5 times a power of ten.
+/// Rounds up to 1, 2, 2.5 or 5 times a power of ten.
 fn rounded_up(step: f64) -> f64 {
     let power = 10f64.powf(step.log10().floor());
     let factors = [1.0, 2.0, 2.5, 5.0];

@@ -1,4 +1,4 @@
-//! The bar that tells what colours mean.
+//! Draws the colour bar of a figure.
 
 use super::canvas::{Anchor, Canvas, Drawn};
 use super::frame::{FRAME, SMALL, TICK, line};
@@ -6,7 +6,8 @@ use super::scale::Scale;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
-/// A bar at the right of a frame with the colours from the lower limit of `scale` (0) to the upper (1), and ticks.
+/// Draws a bar with ticks to the right of a frame. `colour` returns the colour of a relative position on `scale`, from
+/// 0 (lower limit) to 1 (upper limit).
 pub(super) fn draw_bar<DB: DrawingBackend>(
     canvas: &Canvas<DB>,
     (left, top, bottom): (f64, f64, f64),

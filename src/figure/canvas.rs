@@ -1,4 +1,4 @@
-//! What figures are drawn on: an SVG or a bitmap.
+//! The canvas on which figures are drawn: an SVG or a bitmap.
 
 use super::letters::{Letters, one_line};
 use super::stroke::{Point, Stroke, dashed};
@@ -9,72 +9,75 @@ use plotters::element::{Circle, PathElement, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, IntoTextStyle, RGBColor, WHITE};
 
-/// Size of a figure in a file of its own, in its pixels.
+/// Width, and below it the height, of a figure in a file, in its pixels.
 pub(super) const WIDTH: f64 = 1600.0;
 pub(super) const HEIGHT: f64 = 1000.0;
 
-/// Measured with DejaVu Sans; an SVG falls back on what is installed where it is shown, letter by letter.
+/// Texts are measured with DejaVu Sans. A viewer of the SVG replaces missing letters by letters of other installed
+/// fonts.
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 
 /// Size of a figure, in its pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sheet {
-    /// From left to right.
+    /// Width in pixels.
     pub width: u32,
-    /// From top to bottom.
+    /// Height in pixels.
     pub height: u32,
 }
 
-/// What a canvas is made of.
+/// Format of a canvas.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
-    /// An SVG.
+    /// Vector graphics.
     Svg,
-    /// Pixels.
+    /// Raster graphics.
     Bitmap,
 }
 
-/// What a text's position is a point of.
+/// Reference point of a text, which is placed at the given position.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
-    /// The middle of its left edge.
+    /// Middle of the left edge.
     Left,
-    /// Its middle.
+    /// Centre of the text.
     Centre,
-    /// The middle of its right edge.
+    /// Middle of the right edge.
     Right,
-    /// Its middle, and it runs upwards.
+    /// Centre of the text, which is rotated to read upwards.
     Upwards,
 }
 
-/// A white sheet; all lengths are in its pixels.
+/// A white sheet. All lengths are in pixels of the sheet.
 pub(super) struct Canvas<'a, DB: DrawingBackend> {
     area: DrawingArea<DB, Shift>,
-    /// Size of the sheet.
+    /// Width, and below it the height, of the sheet, pixels.
     pub width: f64,
     pub height: f64,
     scale: f64,
-    /// From the middle of a text's box to that of its letters, in sizes of the font: plotters' backends differ.
+    /// Distance from the middle of a text's box to the middle of its letters, in font sizes; it depends on plotters'
+    /// backend.
     text_shift: f64,
-    /// Draws a line piece by piece with round joints: the bitmap's joints of a wide line have spikes at acute angles.
+    /// Whether lines are drawn segment by segment with round joints. The bitmap backend would draw spikes at acute
+    /// angles of wide lines.
     by_pieces: bool,
     font: FontDesc<'a>,
     letters: Letters,
-    /// Letters that the font lacks are taken from others where the figure is shown.
+    /// Whether the viewer replaces letters missing in the font by letters of other fonts.
     has_other_fonts: bool,
 }
 
-/// A drawing for any canvas.
+/// A drawing that can be drawn on any canvas.
 pub(super) trait Drawing {
-    /// Draws it.
+    /// Draws it on `canvas`.
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn;
 }
 
-/// An error of plotters as text.
+/// Result of drawing; the error is the text of an error of plotters.
 pub(super) type Drawn = std::result::Result<(), String>;
 
 impl<DB: DrawingBackend> Canvas<'_, DB> {
-    /// A sheet of so many pixels of the backend a pixel.
+    /// Makes a sheet; `scale` is the number of pixels of the backend per pixel of the sheet.
     pub fn new(backend: DB, (sheet, scale): (Sheet, u32), kind: Kind) -> std::result::Result<Self, String> {
         plotters::style::register_font(FONT, FontStyle::Normal, dejavu::sans::regular())
             .map_err(|_| "the font cannot be read".to_owned())?;
@@ -96,19 +99,19 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         })
     }
 
-    /// Draws on it, once.
+    /// Draws `drawing` on the canvas and completes the canvas.
     pub fn finish(self, drawing: &impl Drawing) -> Drawn {
         drawing.draw(&self)?;
         self.area.present().map_err(|e| e.to_string())
     }
 
-    /// The canvas' own pixel nearest to a point.
+    /// Converts a point of the sheet to the nearest pixel of the backend.
     pub fn point(&self, x: f64, y: f64) -> Point {
         let pixel = |v: f64| (v * self.scale).round() as i32;
         (pixel(x), pixel(y))
     }
 
-    /// A line through points from [`Self::point`].
+    /// Draws a line through points made by [`Self::point`].
     pub fn line(&self, points: &[Point], stroke: &Stroke) -> Drawn {
         if stroke.dashes.is_empty() {
             return self.solid(points, stroke);
@@ -136,20 +139,20 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         Ok(())
     }
 
-    /// A filled rectangle between two corners.
+    /// Draws a filled rectangle between two corners.
     pub fn rectangle(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Drawn {
         let corners = [self.point(from.0, from.1), self.point(to.0, to.1)];
         self.area.draw(&Rectangle::new(corners, colour.filled())).map_err(|e| e.to_string())
     }
 
-    /// A filled circle.
+    /// Draws a filled circle.
     pub fn dot(&self, middle: (f64, f64), radius: f64, colour: RGBColor) -> Drawn {
         let radius = (radius * self.scale).round() as i32;
         let circle = Circle::new(self.point(middle.0, middle.1), radius, colour.filled());
         self.area.draw(&circle).map_err(|e| e.to_string())
     }
 
-    /// A text of one line with letters of `size`.
+    /// Draws one line of text with letters of `size` pixels.
     pub fn text(&self, text: &str, at: (f64, f64), size: f64, anchor: Anchor) -> Drawn {
         let shift = self.text_shift * size;
         let (at, transform, side) = match anchor {
@@ -169,11 +172,12 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         self.area.draw_text(&text, &style, self.point(at.0, at.1)).map_err(|e| e.to_string())
     }
 
-    /// Width of a text with letters of `size`.
+    /// Width of a text with letters of `size` pixels.
     pub fn text_width(&self, text: &str, size: f64) -> f64 {
-        // Another font's letter may be as wide as the widest.
+        // A letter of another font is assumed to be as wide as the widest letter.
         let text = self.letters.plain(text, if self.has_other_fonts { 'W' } else { '?' });
-        // Measured large, since the answer is in whole pixels. Without a font no text is drawn either.
+        // Measured at a large size, because plotters returns whole pixels. Without a font no text is drawn, so its
+        // width is 0.
         let large = self.font.resize(100.0).box_size(&text);
         large.map_or(0.0, |(width, _)| f64::from(width) * size / 100.0)
     }

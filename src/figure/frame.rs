@@ -1,4 +1,4 @@
-//! A part of the sheet with an axis each way.
+//! A rectangular part of the sheet with a horizontal and a vertical axis.
 
 use super::canvas::{Anchor, Canvas, Drawn};
 use super::scale::Scale;
@@ -7,14 +7,14 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
 pub(super) const LETTERS: f64 = 30.0;
-/// Between labels side by side.
+/// Smallest distance between neighbouring labels of the horizontal axis.
 const APART: f64 = 8.0;
 pub(super) const SMALL: f64 = 24.0;
 const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
 pub(super) const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
 pub(super) const TICK: f64 = 8.0;
 
-/// A part of the sheet with an axis each way.
+/// A rectangular part of the sheet (its edges in pixels) with a horizontal and a vertical axis.
 pub(super) struct Frame {
     pub left: f64,
     pub right: f64,
@@ -25,17 +25,17 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Pixels of a value.
+    /// Horizontal position of a value, pixels.
     pub fn at_x(&self, x: f64) -> f64 {
         self.left + self.x.place(x) * (self.right - self.left)
     }
 
-    /// Pixels of a value.
+    /// Vertical position of a value, pixels.
     pub fn at_y(&self, y: f64) -> f64 {
         self.bottom - self.y.place(y) * (self.bottom - self.top)
     }
 
-    /// Lines across at the labelled ticks.
+    /// Draws grid lines at the labelled ticks of both axes.
     pub fn draw_grid<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         for (place, _) in self.x.ticks().iter().filter(|tick| tick.1.is_some()) {
             let x = self.left + place * (self.right - self.left);
@@ -48,9 +48,9 @@ impl Frame {
         Ok(())
     }
 
-    /// The frame and the ticks of both axes; labels at the horizontal one where `is_last`.
+    /// Draws the frame, and the ticks of both axes. The horizontal axis has labels only if `is_last`.
     pub fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Drawn {
-        // Where the next label may begin: on narrow figures some are left out.
+        // Smallest position of the next label. On narrow figures some labels are omitted.
         let mut free = f64::NEG_INFINITY;
         for (place, label) in self.x.ticks() {
             let x = self.left + place * (self.right - self.left);
@@ -81,7 +81,7 @@ impl Frame {
     }
 }
 
-/// A straight line.
+/// Draws a straight line.
 pub(super) fn line<DB: DrawingBackend>(
     canvas: &Canvas<DB>,
     from: (f64, f64),

@@ -1,4 +1,4 @@
-//! Quantities of runs against time.
+//! Draws quantities of runs against time.
 
 use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, Sheet};
@@ -10,25 +10,25 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 use std::path::Path;
 
-/// A quantity of some runs.
+/// Data of a figure: a quantity of one or more runs against time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
-    /// Above all; empty for none.
+    /// Title above the figure; may be empty.
     pub title: String,
-    /// What the vertical axis shows.
+    /// Title of the vertical axis.
     pub quantity: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: String,
     /// The runs.
     pub runs: Vec<Run>,
 }
 
-/// One run.
+/// The curves of one run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
-    /// Times, s.
+    /// Times of the values, s.
     pub time: Vec<f64>,
-    /// The quantity, or its components.
+    /// The quantity, or one curve for each of its components.
     pub curves: Vec<Curve>,
     /// Start and end of each contact, s.
     pub contacts: Vec<(f64, f64)>,
@@ -37,29 +37,30 @@ pub struct Run {
 /// One curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// What the legend calls it; shortened where it is too long.
+    /// Name in the legend; shortened if it is too long.
     pub label: String,
-    /// Its value at each time.
+    /// Value at each time.
     pub values: Vec<f64>,
-    /// Whether it is a limit that others are held against, which is dashed.
+    /// Whether the curve is a limit with which others are compared; limits are dashed.
     pub is_limit: bool,
 }
 
-/// Draws the curves to `out`, an SVG or a PNG of 1600 × 1000 pixels by its extension. Values that are not finite are
-/// left out.
+/// Draws the curves to `out`, an SVG or a PNG of 1600 × 1000 pixels, depending on the extension. Values that are not
+/// finite are left out.
 ///
 /// # Errors
-/// [`Error::Usage`] for another extension, no curve, or more curves than can be told apart; [`Error::Io`] when the
-/// file cannot be written.
+/// [`Error::Usage`] for another extension, without a curve, or for more curves than can be distinguished; [`Error::Io`]
+/// if the file cannot be written.
 pub fn draw(history: &History, out: &Path) -> Result<()> {
     check(history)?;
     save(history, out)
 }
 
-/// Draws the curves to the text of an element `svg` for a page, with `name` for readers who do not see it.
+/// Draws the curves to the text of an `svg` element for a page. `name` is its description for screen readers.
 ///
 /// # Errors
-/// [`Error::Usage`] for no curve, or more curves than can be told apart; [`Error::Output`] when the figure cannot be drawn.
+/// [`Error::Usage`] without a curve, or for more curves than can be distinguished; [`Error::Output`] if the figure
+/// cannot be drawn.
 pub fn draw_inline(history: &History, sheet: Sheet, name: &str) -> Result<String> {
     check(history)?;
     inline(history, sheet, name).map_err(Error::Output)
@@ -72,15 +73,15 @@ fn check(history: &History) -> Result<()> {
     }
 }
 
-/// Height that the contacts take at least and at most.
+/// Smallest and largest height of the area with the contacts, pixels.
 const CONTACTS: (f64, f64) = (36.0, 160.0);
-/// Between the plot and the contacts.
+/// Distance between the plot and the area with the contacts, pixels.
 const CONTACTS_GAP: f64 = 16.0;
 
 const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
 const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
 
-/// Where the data go: values to pixels.
+/// Layout of the figure, which converts values to pixels.
 struct Plot {
     x: Axis,
     y: Axis,
@@ -88,7 +89,7 @@ struct Plot {
     right: f64,
     top: f64,
     bottom: f64,
-    /// Below the contacts.
+    /// Lower end of the area with the contacts.
     foot: f64,
 }
 
@@ -121,7 +122,7 @@ impl Drawing for History {
 }
 
 impl History {
-    /// The curves of all runs.
+    /// Iterates over the curves of all runs.
     fn curves(&self) -> impl Iterator<Item = &Curve> {
         self.runs.iter().flat_map(|run| &run.curves)
     }
@@ -133,10 +134,10 @@ impl History {
             x = (x.0.min(t), x.1.max(t));
             y = (y.0.min(value), y.1.max(value));
         }
-        // Less than a pixel to the other side of zero, as rounding makes it, takes no room.
+        // Values beyond zero by less than 1e-3 of the range come from rounding; the axis is not extended for them.
         let seen = |own: f64, other: f64| if own.abs() < 1e-3 * other.abs() { 0.0 } else { own };
         let y = (seen(y.0, y.1), seen(y.1, y.0));
-        // Some room above the highest peak and below the lowest.
+        // Leaves a margin of 2% above the highest peak and below the lowest.
         let (x, y) = (Axis::spanning(x.0, x.1), Axis::spanning(1.02 * y.0, 1.02 * y.1));
         let widest = y
             .ticks()
@@ -155,13 +156,13 @@ impl History {
         }
     }
 
-    /// Height of one run's row of contacts.
+    /// Height of one run's row of contacts, pixels.
     fn pitch(&self) -> f64 {
         let count = self.runs.len() as f64;
         (16.0 * count).clamp(CONTACTS.0, CONTACTS.1) / count
     }
 
-    /// Draws a row of bars a run between the plot and its time axis' labels.
+    /// Draws the contacts of each run as a row of bars, between the plot and the labels of the time axis.
     fn draw_contacts<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
         let pitch = self.pitch();
         let top = plot.bottom + CONTACTS_GAP;
@@ -170,7 +171,8 @@ impl History {
         canvas.text(CONTACT_LABEL, at, LETTERS, Anchor::Right)?;
         let (mut curves, all) = (0, self.curves().count());
         for (n, run) in self.runs.iter().enumerate() {
-            // Of a single run's components none is the one that touches.
+            // The contacts of a single run with several components do not belong to one of its curves, so they get a
+            // neutral colour.
             let is_of_all = self.runs.len() == 1 && all > 1;
             let colour = if is_of_all { FRAME.colour } else { stroke(curves, all).colour };
             curves += run.curves.len();
@@ -181,7 +183,7 @@ impl History {
                     continue;
                 }
                 let from = plot.at_x(1e3 * start).max(plot.left);
-                // Never so thin that it cannot be seen.
+                // A bar has a width of at least 2 pixels, so that it is visible.
                 let to = plot.at_x(1e3 * end).min(plot.right).max(from + 2.0);
                 canvas.rectangle((from, y - half), (to, y + half), colour)?;
             }
@@ -193,7 +195,7 @@ impl History {
 const CONTACT_LABEL: &str = "contact";
 
 impl History {
-    /// Grid, frame, ticks and titles of both axes.
+    /// Draws the grid, frame, ticks and titles of both axes.
     fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
         let line = |from: (f64, f64), to: (f64, f64), stroke| {
             canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
@@ -227,12 +229,12 @@ impl History {
 }
 
 impl Curve {
-    /// Curve `n` of `of` in the legend.
+    /// Entry of curve `n` of `of` in the legend.
     fn entry(&self, n: usize, of: usize) -> Entry<'_> {
         Entry { label: &self.label, stroke: self.stroke(n, of) }
     }
 
-    /// The look of curve `n` of `of`.
+    /// Stroke of curve `n` of `of`.
     fn stroke(&self, n: usize, of: usize) -> Stroke {
         if self.is_limit { LIMIT } else { stroke(n, of) }
     }

@@ -1,32 +1,32 @@
-//! The title above curves, and what each of them is.
+//! Draws the title of a figure and the legend of its curves.
 
 use super::canvas::{Anchor, Canvas};
 use super::letters::one_line;
 use super::stroke::Stroke;
 use plotters::backend::DrawingBackend;
 
-/// Size of the letters: half of it is still readable where the figure is shown at 800 pixels.
+/// Size of the letters: letters of half this size, as in a figure shown with a width of 800 pixels, are still readable.
 pub(super) const LETTERS: f64 = 32.0;
 const LEGEND_LETTERS: f64 = 29.0;
 pub(super) const MARGIN: f64 = 30.0;
-/// Height of a line of letters.
+/// Height of a line of text.
 pub(super) const LINE: f64 = 42.0;
 const LEGEND_LINE: f64 = 40.0;
-/// Length of the stroke beside a label.
+/// Length of the line sample in front of a label.
 const LEGEND_STROKE: f64 = 84.0;
 const LEGEND_COLUMNS: usize = 4;
 const LEGEND_LINES: usize = 8;
-/// Long labels are rather shortened than given a line each when there are more.
+/// With more entries than this, long labels are shortened to fit into columns instead of getting a line each.
 const LEGEND_LONG_LINES: usize = 5;
-/// A curve in a legend.
+/// An entry of a legend.
 pub(super) struct Entry<'a> {
-    /// What it is called; shortened where it is too long.
+    /// Name of the curve; shortened if it is too long.
     pub label: &'a str,
-    /// Its look.
+    /// Stroke of the curve.
     pub stroke: Stroke,
 }
 
-/// Draws the title, where there is one, and returns where it ends.
+/// Draws the title, if there is one. Returns the vertical position of its lower end.
 pub(super) fn draw_title<DB: DrawingBackend>(canvas: &Canvas<DB>, title: &str) -> std::result::Result<f64, String> {
     if title.is_empty() {
         return Ok(MARGIN);
@@ -37,7 +37,7 @@ pub(super) fn draw_title<DB: DrawingBackend>(canvas: &Canvas<DB>, title: &str) -
     Ok(MARGIN + LINE + 10.0)
 }
 
-/// Draws the legend from `top` on, where a curve has a label, and returns where it ends.
+/// Draws the legend from `top` on, if at least one curve has a label. Returns the vertical position of its lower end.
 pub(super) fn draw_legend<DB: DrawingBackend>(
     canvas: &Canvas<DB>,
     top: f64,
@@ -69,7 +69,8 @@ pub(super) fn draw_legend<DB: DrawingBackend>(
     Ok(top + lines as f64 * LEGEND_LINE + 26.0)
 }
 
-/// The label if it fits, else its beginning and its end, in which titles of one study differ, around an ellipsis.
+/// Shortens a label that does not fit: keeps its start and its end around an ellipsis, because titles of one study
+/// differ at these ends.
 fn shortened(label: &str, fits: impl Fn(&str) -> bool) -> String {
     let all = one_line(label);
     let letters: Vec<char> = all.chars().collect();

@@ -1,9 +1,9 @@
-//! Which letters the font has, and what stands for those that it has not.
+//! Finds the letters missing in the font and their replacements.
 
 use ab_glyph::{Font, FontRef};
 use unicode_normalization::UnicodeNormalization;
 
-/// The letters of DejaVu Sans: Latin, Greek, Cyrillic, Arabic and signs, but no Chinese or Japanese, and few emoji.
+/// The letters of DejaVu Sans: Latin, Greek, Cyrillic, Arabic and symbols, but no Chinese or Japanese, and few emoji.
 pub(super) struct Letters(FontRef<'static>);
 
 impl Letters {
@@ -16,13 +16,13 @@ impl Letters {
         self.0.glyph_id(letter).0 != 0
     }
 
-    /// The text in letters that the font has: each other one as its compatible plain letters (NFKD), or as `missing`.
+    /// Replaces letters that the font lacks by their compatibility decomposition (NFKD), or by `missing`.
     pub fn plain(&self, text: &str, missing: char) -> String {
         let mut plain = String::new();
         for letter in one_line(text).nfc() {
             let decomposed = || std::iter::once(letter).nfkd();
             match letter {
-                // What joins or selects the forms of other letters is not seen itself.
+                // Joiners and variation selectors change other letters and are not visible themselves.
                 '\u{200d}' | '\u{fe00}'..='\u{fe0f}' => {}
                 letter if self.has(letter) => plain.push(letter),
                 _ if decomposed().all(|part| self.has(part)) => plain.extend(decomposed()),
@@ -33,7 +33,7 @@ impl Letters {
     }
 }
 
-/// The text with a space in the place of each control character.
+/// Replaces each control character by a space.
 pub(super) fn one_line(text: &str) -> String {
     text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
 }
@@ -48,10 +48,10 @@ mod tests {
         for (text, plain) in [
             ("Plate, 0.5 m²: Δt → 0", "Plate, 0.5 m²: Δt → 0"),
             ("Платформа, πλάκα, żółw", "Платформа, πλάκα, żółw"),
-            // Composed where it can be: the font's accents alone are not placed over letters.
+            // Composed if possible, because the font does not place combining accents over letters.
             ("e\u{301}", "é"),
             ("平板 🎉 ok", "?? ? ok"),
-            // Full-width letters, a unit in one sign, and a scientist of three code points.
+            // Full-width letters, a unit in one character, and an emoji of three code points.
             ("ＡＢ ㎏ \u{1f469}\u{200d}\u{1f52c}", "AB kg ??"),
             ("two\nlines", "two lines"),
         ] {

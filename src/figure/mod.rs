@@ -1,4 +1,4 @@
-//! Figures of results.
+//! Draws figures of results.
 
 mod axis;
 mod bar;

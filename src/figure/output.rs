@@ -1,7 +1,7 @@
-//! Drawings as files and as parts of pages.
+//! Writes drawings to files and into pages.
 //!
-//! plotters knows whole pixels only, so both kinds of files are drawn enlarged. An SVG is then shown smaller, which keeps fractions of
-//! a pixel; a PNG is averaged down, which smooths its edges.
+//! plotters only supports whole pixels, so figures are drawn enlarged. An SVG is then displayed at a reduced size,
+//! which keeps fractions of a pixel. A PNG is averaged down, which smooths its edges.
 
 use super::canvas::{Canvas, Drawing, HEIGHT, Kind, Sheet, WIDTH};
 use crate::error::{Error, Result};
@@ -13,14 +13,14 @@ use plotters::backend::{BitMapBackend, SVGBackend};
 use std::path::Path;
 
 const SVG_SCALE: u32 = 5;
-/// Of a figure within a page, which is seldom shown larger than the page is wide.
+/// Enlargement of a figure within a page, which is seldom displayed wider than the page.
 const INLINE_SCALE: u32 = 2;
 const PNG_SCALE: u32 = 3;
 
-/// What figures in files of their own have.
+/// Size of figures in files.
 const SHEET: Sheet = Sheet { width: WIDTH as u32, height: HEIGHT as u32 };
 
-/// Draws to the file `out`, SVG or PNG by its extension.
+/// Draws to the file `out`, SVG or PNG depending on its extension.
 pub(super) fn save(drawing: &impl Drawing, out: &Path) -> Result<()> {
     let extension = out.extension().and_then(|e| e.to_str()).unwrap_or_default();
     let bytes = match extension.to_ascii_lowercase().as_str() {
@@ -31,11 +31,12 @@ pub(super) fn save(drawing: &impl Drawing, out: &Path) -> Result<()> {
     let bytes = bytes.map_err(|e| Error::io(out, e))?;
     let file = resolved(out);
     let name = file.file_name().unwrap_or_default();
-    // Whole or not at all: a disk may be full.
+    // The file appears complete or not at all, because the disk may be full.
     Folder::of(&file).put(name, |part| std::fs::write(part, &bytes).map_err(|e| Error::io(out, e)))
 }
 
-/// Draws to the text of an element `svg` for a page: it has the size that the page gives it, and `name` for readers who do not see it.
+/// Draws to the text of an `svg` element for a page. The page sets its size. `name` is its description for screen
+/// readers.
 pub(super) fn inline(drawing: &impl Drawing, sheet: Sheet, name: &str) -> std::result::Result<String, String> {
     let svg = svg(drawing, sheet, INLINE_SCALE)?;
     let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
@@ -45,7 +46,7 @@ pub(super) fn inline(drawing: &impl Drawing, sheet: Sheet, name: &str) -> std::r
         .to_owned())
 }
 
-/// An SVG of `scale` units a pixel.
+/// Draws an SVG with `scale` units per pixel of the sheet.
 fn svg(drawing: &impl Drawing, sheet: Sheet, scale: u32) -> std::result::Result<String, String> {
     let mut svg = String::new();
     let backend = SVGBackend::with_string(&mut svg, (sheet.width * scale, sheet.height * scale));
@@ -53,12 +54,12 @@ fn svg(drawing: &impl Drawing, sheet: Sheet, scale: u32) -> std::result::Result<
     Ok(svg)
 }
 
-/// The size of an SVG as plotters writes it.
+/// The attributes of an SVG's size, as plotters writes them.
 fn size(Sheet { width, height }: Sheet, scale: u32) -> String {
     format!("width=\"{}\" height=\"{}\"", width * scale, height * scale)
 }
 
-/// The same shown in the sheet's pixels.
+/// Replaces the displayed size of an SVG by the size of the sheet.
 fn sized(svg: &str, sheet: Sheet, scale: u32) -> String {
     svg.replacen(&size(sheet, scale), &size(sheet, 1), 1)
 }
@@ -76,7 +77,7 @@ fn png(drawing: &impl Drawing) -> std::result::Result<Vec<u8>, String> {
     Ok(png)
 }
 
-/// Each square of `scale` × `scale` RGB pixels as its mean.
+/// Averages each square of `scale` × `scale` RGB pixels.
 fn averaged(pixels: &[u8], width: usize, scale: usize) -> Vec<u8> {
     let rows = pixels.chunks_exact(3 * width);
     let mut small = Vec::with_capacity(pixels.len() / (scale * scale));

@@ -1,4 +1,4 @@
-//! Work against precision: the time of each method's settings, and what they are off by.
+//! Draws work-precision charts: wall time and error of the settings of several methods.
 
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use super::frame::{Frame, LETTERS, SMALL, line};
@@ -10,45 +10,45 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 use std::path::Path;
 
-/// A chart of three panels: errors of the acceleration in the first contact and over all, and of the largest tension. The third is left out
-/// where no tension is known.
+/// A chart of three panels with the errors of the acceleration in the first contact, of the acceleration over the whole
+/// history, and of the largest tension. The third panel is omitted if no error of the tension is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Precision {
-    /// Above all.
+    /// Title above the panels.
     pub title: String,
-    /// The methods.
+    /// The methods, each drawn as a line.
     pub methods: Vec<Method>,
-    /// In each panel, the error below which nothing is known.
+    /// Smallest error that the reference resolves, in each panel; the area below it is shaded. NaN if unknown.
     pub floor: [f64; PANELS],
 }
 
-/// A line of the chart.
+/// A method, drawn as a line of the chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Method {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub label: String,
-    /// Whether it is another program's: its marks are squares, and it does not count for the front.
+    /// Whether the method belongs to another program. Its marks are squares, and it is not part of the Pareto front.
     pub is_foreign: bool,
-    /// Its settings, from coarse to fine.
+    /// The settings of the method, from coarse to fine.
     pub settings: Vec<Setting>,
 }
 
-/// A mark of the chart.
+/// A setting of a method, drawn as a mark of the chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
     /// Wall time, s.
     pub seconds: f64,
-    /// The error in each panel; NaN where it is not known.
+    /// The error in each panel, relative to the peak; NaN if unknown.
     pub errors: [f64; PANELS],
-    /// What is written beside it, with a ring around it.
+    /// Label of the mark, which is then also drawn with a ring; `None` for an ordinary mark.
     pub mark: Option<String>,
 }
 
-/// Draws to `out`, an SVG or a PNG of 1600 × 1000 pixels by its extension.
+/// Draws to `out`, an SVG or a PNG of 1600 × 1000 pixels, depending on the extension.
 ///
 /// # Errors
-/// [`Error::Usage`] for another extension, no setting, or more methods than can be told apart; [`Error::Io`] when the file cannot be
-/// written.
+/// [`Error::Usage`] for another extension, without a setting, or for more methods than can be distinguished;
+/// [`Error::Io`] if the file cannot be written.
 pub fn draw(chart: &Precision, out: &Path) -> Result<()> {
     let count = chart.methods.len();
     if count > LOOKS || chart.settings().next().is_none() {
@@ -62,17 +62,17 @@ const TOP: f64 = 106.0;
 const BOTTOM: f64 = 730.0;
 const LEFT: f64 = 148.0;
 const RIGHT: f64 = WIDTH - 30.0;
-/// Between the panels, with the labels of the second one.
+/// Distance between two panels, which contains the labels of the right one.
 const GAP: f64 = 112.0;
-/// The same between three.
+/// Distance between the panels if there are three.
 const NARROW_GAP: f64 = 88.0;
 const LEGEND: f64 = 836.0;
 const LEGEND_COLUMNS: usize = 4;
 const LEGEND_LETTERS: f64 = 21.0;
 const LEGEND_STROKE: f64 = 46.0;
-/// Errors above this are all the same failure.
+/// Larger errors are drawn at this value, because they all mean failure.
 const WORST: f64 = 3.0;
-/// Panels at most.
+/// Largest number of panels.
 const PANELS: usize = 3;
 const TITLES: [&str; PANELS] =
     ["acceleration, first contact", "acceleration, whole history", "largest tension, first contact"];
@@ -87,12 +87,12 @@ impl Precision {
         self.methods.iter().flat_map(|method| &method.settings)
     }
 
-    /// How many panels there are.
+    /// Number of panels to be drawn.
     fn panels(&self) -> usize {
         if self.settings().any(|setting| setting.errors[PANELS - 1].is_finite()) { PANELS } else { PANELS - 1 }
     }
 
-    /// Powers of ten around the times, and around the errors of all panels.
+    /// Powers of ten that enclose all times, and powers of ten that enclose the errors of all panels.
     fn scales(&self) -> [(f64, f64); 2] {
         let decades = |values: &mut dyn Iterator<Item = f64>| {
             let known = values.filter(|value| *value > 0.0 && value.is_finite());
@@ -108,7 +108,8 @@ impl Precision {
         [decades(&mut self.settings().map(|setting| setting.seconds)), decades(errors)]
     }
 
-    /// The marks that no other one beats in a panel, by ascending time.
+    /// The Pareto front of a panel: the marks of the program's methods for which no faster mark has a smaller error, by
+    /// ascending time.
     fn front(&self, panel: usize) -> Vec<(f64, f64)> {
         let own = self.methods.iter().filter(|method| !method.is_foreign).flat_map(|method| &method.settings);
         let mut marks: Vec<(f64, f64)> =
@@ -153,7 +154,7 @@ impl Drawing for Precision {
 
 impl Precision {
     fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame, panel: usize) -> Drawn {
-        // Where it is on the sheet: marks beyond the scale are at its edge.
+        // Position of a mark in pixels; marks beyond the scale are drawn at its edge.
         let at = |seconds: f64, error: f64| {
             (frame.at_x(seconds), frame.at_y(error.min(WORST)).clamp(frame.top, frame.bottom))
         };
@@ -164,7 +165,7 @@ impl Precision {
         frame.draw_grid(canvas)?;
         let front: Vec<(f64, f64)> = self.front(panel).iter().map(|mark| at(mark.0, mark.1)).collect();
         for pair in front.windows(2) {
-            // Between two of its marks, what is left is the earlier one's error.
+            // Between two marks of the front, the best error is the error of the earlier mark.
             let corner = (pair[1].0, pair[0].1);
             line(canvas, pair[0], corner, &FRONT)?;
             line(canvas, corner, pair[1], &FRONT)?;
@@ -178,7 +179,7 @@ impl Precision {
             canvas.line(&points, &Stroke { width: 0.7 * look.width, ..look })?;
             pixels.iter().try_for_each(|pixel| draw_mark(canvas, *pixel, (method.is_foreign, n), look.colour))?;
         }
-        // Above all lines.
+        // Ringed marks are drawn above all lines.
         let mut marks: Vec<(f64, f64)> = self
             .settings()
             .filter(|setting| setting.errors[panel].is_finite())
@@ -195,7 +196,7 @@ impl Precision {
                 let width = canvas.text_width(mark, LEGEND_LETTERS);
                 let place = label_place((x, y), width, frame, &marks);
                 canvas.text(mark, place, LEGEND_LETTERS, Anchor::Left)?;
-                // Other labels avoid this one as they avoid marks.
+                // Later labels must also avoid this label, so it is added as marks.
                 marks.extend([0.0, 0.5, 1.0].map(|part| (place.0 + part * width, place.1)));
             }
         }
@@ -221,8 +222,8 @@ impl Precision {
     }
 }
 
-/// Where the label of a mark begins (the middle of its left edge): about the mark, within the frame, as near as it covers no other mark, or
-/// the fewest.
+/// Position of the label of a mark (middle of its left edge). Candidates lie around the mark and within the frame. The
+/// result is the nearest one that covers no other mark, or else the one that covers the fewest.
 fn label_place(mark: (f64, f64), width: f64, frame: &Frame, marks: &[(f64, f64)]) -> (f64, f64) {
     let half = 0.5 * LEGEND_LETTERS;
     let around = |farther: f64| {
@@ -235,17 +236,18 @@ fn label_place(mark: (f64, f64), width: f64, frame: &Frame, marks: &[(f64, f64)]
     let is_within = |(x, y): (f64, f64)| {
         x >= frame.left && x + width <= frame.right && y - half >= frame.top && y + half <= frame.bottom
     };
-    // A mark's own radius besides.
+    // The added length is the radius of a mark.
     let is_covered = |(x, y): (f64, f64), other: (f64, f64)| {
         (x - 8.0..x + width + 8.0).contains(&other.0) && (other.1 - y).abs() < half + 8.0
     };
     let covered = |place: &(f64, f64)| marks.iter().filter(|other| is_covered(*place, **other)).count();
     let best = places.iter().copied().filter(|place| is_within(*place)).min_by_key(covered);
-    // (A panel holds a label on one side at least.)
+    // A label always fits on at least one side of a mark within a panel.
     best.unwrap_or(places[0])
 }
 
-/// That of a method, by its number: hollow where its colour is another's already, since a lone mark has no line to tell it by.
+/// Draws a mark of the method with number `n`. It is hollow if the colour is already used by another method, because a
+/// single mark has no line that identifies it.
 fn draw_mark<DB: DrawingBackend>(
     canvas: &Canvas<DB>,
     (x, y): (f64, f64),
@@ -263,7 +265,7 @@ fn draw_mark<DB: DrawingBackend>(
 mod tests {
     use super::*;
 
-    /// A mark at the right edge of both panels: its label is drawn left of it.
+    /// The label of a mark at the right edge of both panels is drawn to the left of the mark.
     #[test]
     fn a_label_at_the_edge_is_drawn_within_its_panel() {
         let setting =
@@ -274,19 +276,19 @@ mod tests {
         let out = folder.path().join("chart.svg");
         draw(&Precision { title: "plate".into(), methods, floor: [f64::NAN; PANELS] }, &out).unwrap();
         let svg = std::fs::read_to_string(&out).unwrap();
-        // The labels' left edges, in pixels: the SVG is drawn five times as large.
+        // Left edges of the labels in pixels; the SVG is drawn five times enlarged.
         let left = svg
             .split("<text x=\"")
             .skip(1)
             .filter(|text| text.contains("\n9.9\n"))
             .map(|text| text.split('"').next().unwrap().parse::<f64>().unwrap() / 5.0);
         let width = 0.5 * (RIGHT - LEFT - GAP);
-        // Three letters are about 1.6 as wide as they are high.
+        // The width of three letters is about 1.6 times their height.
         let ends: Vec<f64> = left.map(|left| left + 1.6 * LEGEND_LETTERS).collect();
         assert!(ends.len() == 2 && ends[0] < LEFT + width && ends[1] < RIGHT, "{ends:?}");
     }
 
-    /// Marks at all corners and edges: no label crosses the frame, and none covers another mark that it can avoid.
+    /// For marks at all corners and edges, no label crosses the frame or covers another mark if this can be avoided.
     #[test]
     fn labels_stay_within_the_frame() {
         let scale = || Scale::new(1.0, 10.0, true);
@@ -300,7 +302,7 @@ mod tests {
             }
         }
         assert_eq!(label_place((400.0, 400.0), width, &frame, &[(430.0, 380.0)]), (418.0, 416.0));
-        // Marks at all four near places: farther away there is room.
+        // All near positions are occupied by marks, but there is room farther away.
         let marks = [(430.0, 380.0), (430.0, 420.0), (370.0, 380.0), (370.0, 420.0), (400.0, 372.0), (400.0, 428.0)];
         let (left, middle) = label_place((400.0, 400.0), width, &frame, &marks);
         let is_covered = |(x, y): &(f64, f64)| (left..left + width).contains(x) && (middle - y).abs() < 10.5;

@@ -1,41 +1,42 @@
-//! A linear or logarithmic axis between given limits, and the cells that values have on it.
+//! A linear or logarithmic axis with given limits, and the cells of values on it.
 
 use super::axis::{Axis, exponential};
 
-/// An axis from one limit to the other.
+/// An axis with given limits.
 pub(super) struct Scale {
     low: f64,
     high: f64,
     is_log: bool,
-    /// What the values 0, 1, … are called, where they are not numbers.
+    /// Names of the values 0, 1, …; empty for an axis of numbers.
     names: Vec<String>,
 }
 
-/// More powers of ten than this are not all labelled.
+/// Largest number of decades for which every power of ten has a label.
 const LABELS: usize = 8;
 
-/// Fewer labels do not show how an axis runs.
+/// Smallest number of labels that shows the scaling of an axis.
 const LEAST_LABELS: usize = 3;
 
-/// Digits that get labels in each decade, from the fewest to the most.
+/// Candidates for the leading digits with labels in each decade, from the fewest digits to the most.
 const LABELLED: [&[i32]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 5, 7]];
 
-/// Colours of values that span more than this factor are on a logarithmic scale.
+/// Ratio of the largest to the smallest positive value above which colours are on a logarithmic scale.
 const LOG_FACTOR: f64 = 100.0;
 
 impl Scale {
-    /// The axis between two limits, positive ones if it is logarithmic.
+    /// Makes an axis with the limits `low` and `high`, which must be positive if the axis is logarithmic.
     pub fn new(low: f64, high: f64, is_log: bool) -> Self {
         Self { low, high, is_log, names: Vec::new() }
     }
 
-    /// The axis of the values 0, 1, … that have names.
+    /// Makes an axis of the values 0, 1, … with names.
     pub fn named(names: &[String]) -> Self {
         Self { names: names.to_vec(), ..Self::new(-0.5, names.len() as f64 - 0.5, false) }
     }
 
-    /// The scale for the colours of some values that are not negative, from the smallest to the largest: logarithmic where the positive ones
-    /// span more than two decades. `from_zero` has a linear one begin at 0. Values that are not finite do not count.
+    /// Makes the colour scale of non-negative values, from the smallest to the largest. It is logarithmic if the
+    /// positive values span more than two decades. With `from_zero`, a linear scale begins at 0. Values that are not
+    /// finite are ignored.
     pub fn of_colours(values: impl Iterator<Item = f64>, from_zero: bool) -> Self {
         let (mut low, mut least, mut high) = (f64::INFINITY, f64::INFINITY, 0.0_f64);
         for value in values.filter(|value| value.is_finite()) {
@@ -46,11 +47,11 @@ impl Scale {
             return Self::new(least, high, true);
         }
         let low = if from_zero { 0.0 } else { low };
-        // All alike: a scale around them.
+        // If all values are equal, the scale is centred on them.
         if high > low { Self::new(low, high, false) } else { Self::new(0.0, 2.0 * high.max(1e-300), false) }
     }
 
-    /// Where a value lies: 0 at the lower limit, 1 at the upper.
+    /// Relative position of a value: 0 at the lower limit, 1 at the upper limit.
     pub fn place(&self, value: f64) -> f64 {
         if self.is_log {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -59,7 +60,7 @@ impl Scale {
         }
     }
 
-    /// Place and label of each tick; minor ticks have none.
+    /// Relative position and label of each tick; minor ticks have no label.
     pub fn ticks(&self) -> Vec<(f64, Option<String>)> {
         let ticks = match (self.is_log, &self.names[..]) {
             (true, _) => self.log_ticks(),
@@ -81,7 +82,7 @@ impl Scale {
         let count = (last - first) as usize;
         let pace = count.div_ceil(LABELS) as i32;
         let digits = if count > 2 * LABELS { 1..=1 } else { 1..=9 };
-        // Within a few decades around 1, plain numbers are read at once.
+        // For a few decades around 1, plain numbers are easier to read than powers of ten.
         let is_plain = count <= 4 && first >= -3 && last <= 4;
         let written = |digit: i32, power: i32| match (is_plain, digit) {
             (true, _) => format!("{:.*}", (-power).max(0) as usize, f64::from(digit) * 10f64.powi(power)),
@@ -96,8 +97,9 @@ impl Scale {
         (first..=last).flat_map(|power| digits.clone().map(move |digit| tick(digit, power))).collect()
     }
 
-    /// The digits that get labels in each decade of a logarithmic axis: the fewest that make [`LEAST_LABELS`] within the limits. `None`
-    /// where the axis is too short for any of them, so that the ticks of a linear axis serve.
+    /// Leading digits with labels in each decade of a logarithmic axis: the fewest that lead to at least
+    /// [`LEAST_LABELS`] labels. `None` if the axis is too short for all candidates; the ticks of a linear axis are then
+    /// used.
     fn labelled_digits(&self) -> Option<&'static [i32]> {
         let within = |digits: &[i32]| {
             let places = (self.low.log10().floor() as i32..=self.high.log10().ceil() as i32)
@@ -107,7 +109,7 @@ impl Scale {
         LABELLED.into_iter().find(|digits| within(digits) >= LEAST_LABELS)
     }
 
-    /// `unit` with the power of ten that the labels leave out.
+    /// `unit` with the power of ten omitted from the labels.
     pub fn unit(&self, unit: &str) -> String {
         let has_plain_labels = self.is_log && self.labelled_digits().is_some();
         if has_plain_labels || !self.names.is_empty() {
@@ -118,13 +120,13 @@ impl Scale {
     }
 }
 
-/// Whether a place is on the axis, but for rounding.
+/// Whether a relative position is on the axis, with a tolerance for rounding.
 fn is_within(place: f64) -> bool {
     (-1e-9..=1.0 + 1e-9).contains(&place)
 }
 
-/// From where to where the cell of each of some values reaches, which ascend: half the way to its neighbours; the outer ones are
-/// symmetric. `is_log` halves the way on a logarithmic axis.
+/// Lower and upper end of the cell of each of the ascending `values`: half way to the neighbours. The outer cells are
+/// symmetric about their value. With `is_log`, half way refers to a logarithmic axis.
 pub(super) fn cells(values: &[f64], is_log: bool) -> Vec<(f64, f64)> {
     let back = |x: f64| if is_log { x.exp() } else { x };
     let at: Vec<f64> = values.iter().map(|value| if is_log { value.ln() } else { *value }).collect();
@@ -164,12 +166,12 @@ mod tests {
         assert!(labels(&Scale::new(1e-30, 1e30, true)).split(' ').count() <= 9);
         let places: Vec<f64> = Scale::new(1.0, 100.0, true).ticks().into_iter().map(|tick| tick.0).collect();
         assert!(places.iter().all(|place| (-1e-9..=1.0 + 1e-9).contains(place)));
-        // 1 … 9, 10 … 90, 100.
+        // Ticks at 1 … 9, 10 … 90 and 100.
         assert_eq!(places.len(), 19);
         assert!((Scale::new(1.0, 100.0, true).place(10.0) - 0.5).abs() < 1e-15);
     }
 
-    /// However short or long the axis, and wherever it begins.
+    /// Holds for any length and start of the axis.
     #[test]
     fn every_axis_has_three_labels_and_not_too_many() {
         for n in 0..400 {

@@ -1,8 +1,9 @@
-//! Colours that stand for numbers.
+//! Colours that represent numbers.
 
 use plotters::style::RGBColor;
 
-/// Light to dark: Blues of ColorBrewer (C. Brewer, 2003) without the two lightest, which paper would swallow.
+/// Colours from light to dark: Blues of ColorBrewer (C. Brewer, 2003) without the two lightest, which are invisible on
+/// paper.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(232, 241, 250),
     RGBColor(198, 219, 239),
@@ -12,10 +13,10 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(8, 81, 156),
     RGBColor(8, 38, 82),
 ];
-/// Where there is no number.
+/// Colour of missing values.
 pub(super) const MISSING: RGBColor = RGBColor(160, 160, 160);
 
-/// The colour of a place on a scale: light at 0, dark at 1.
+/// Colour of a relative position on a scale: light at 0, dark at 1.
 pub(super) fn shade(place: f64) -> RGBColor {
     let at = place.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
     let n = (at as usize).min(COLOURS.len() - 2);

@@ -1,11 +1,11 @@
-//! The look of a curve, and its points as they are drawn.
+//! Strokes of curves, and the reduction of their points for drawing.
 
 use plotters::style::RGBColor;
 
-/// A point on the canvas, in its own pixels.
+/// A point on the canvas, in pixels of the backend.
 pub(super) type Point = (i32, i32);
 
-/// Colours that stay apart for the colour-blind: Okabe and Ito (2008) without the yellow, and grey.
+/// Colours that colour-blind readers can distinguish: Okabe and Ito (2008) without yellow, and grey.
 pub(super) const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -17,28 +17,30 @@ pub(super) const COLOURS: [RGBColor; 8] = [
     RGBColor(127, 127, 127),
 ];
 
-/// Lengths drawn and left out in turn, in widths of the line; none is a solid line.
+/// Alternating lengths of dashes and gaps, in widths of the line; a solid line has none.
 const DASHES: [&[f64]; 4] = [&[], &[6.0, 2.5], &[1.2, 2.2], &[6.0, 2.0, 1.2, 2.0]];
 
-/// More curves than this are told apart by dashes and widths too, so that they are in print.
-const BY_COLOUR: usize = 5;
+/// Up to this number of curves, colours alone distinguish them. More curves also differ in dashes and width, so that
+/// they can be distinguished in print.
+const CURVES_BY_COLOUR: usize = 5;
 
-/// More curves than this have no look of their own.
+/// Largest number of curves with different strokes.
 pub(super) const LOOKS: usize = COLOURS.len() * DASHES.len();
 
-/// How a curve is drawn; the width is in pixels of the figure.
+/// Stroke of a curve. `width` is in pixels of the figure.
 pub(super) struct Stroke {
     pub colour: RGBColor,
     pub width: f64,
     pub dashes: &'static [f64],
 }
 
-/// The look of a limit that curves are held against.
+/// Stroke of a limit with which curves are compared.
 pub(super) const LIMIT: Stroke = Stroke { colour: RGBColor(180, 20, 20), width: 4.0, dashes: DASHES[1] };
 
-/// The look of curve `n` of `of`: the second four are thinner, and the colours shift against the dashes from eight on.
+/// Stroke of curve `n` of `of`. Of every eight curves, the last four are thinner. After every eight curves, the dashes
+/// are shifted against the colours.
 pub(super) fn stroke(n: usize, of: usize) -> Stroke {
-    if of <= BY_COLOUR {
+    if of <= CURVES_BY_COLOUR {
         return Stroke { colour: COLOURS[n], width: 4.0, dashes: DASHES[0] };
     }
     Stroke {
@@ -48,7 +50,7 @@ pub(super) fn stroke(n: usize, of: usize) -> Stroke {
     }
 }
 
-/// The points without those that no pixel shows: of each column the first, the lowest, the highest and the last.
+/// Removes points that do not change the drawing: keeps the first, lowest, highest and last point of each pixel column.
 pub(super) fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
     let mut thin: Vec<Point> = Vec::new();
     let mut column: Vec<Point> = Vec::new();
@@ -78,7 +80,8 @@ pub(super) fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
     thin
 }
 
-/// The line through `points` cut into dashes of the given lengths, drawn and left out in turn, in the points' pixels.
+/// Cuts the line through `points` into dashes. `lengths` are the alternating lengths of dashes and gaps, in pixels of
+/// the backend.
 pub(super) fn dashed(points: &[Point], lengths: &[f64]) -> Vec<Vec<Point>> {
     let mut pieces = vec![Vec::new()];
     let (mut phase, mut left) = (0, lengths[0]);
@@ -152,7 +155,7 @@ mod tests {
 
     #[test]
     fn dashes_cover_their_share_of_the_length_around_corners() {
-        // A staircase of 10 × (30 + 40) pixels; dashes of 8 with gaps of 4 cover two thirds.
+        // A staircase of 10 × (30 + 40) pixels. Dashes of 8 with gaps of 4 cover two thirds of it.
         let mut points = vec![(0, 0)];
         for n in 0..10 {
             points.push((30 * (n + 1), 40 * n));
@@ -163,7 +166,7 @@ mod tests {
             let side = |p: &[Point]| (p[1].0 - p[0].0).abs() + (p[1].1 - p[0].1).abs();
             piece.windows(2).map(side).sum()
         };
-        // 700 = 58 periods of 12, and 4 of the next dash. Every cut falls on a pixel.
+        // 700 is 58 periods of 12, plus 4 of the next dash. Every cut falls on a pixel.
         let lengths: Vec<i32> = pieces.iter().map(length).collect();
         assert_eq!(lengths.len(), 59);
         assert!(lengths[..58].iter().all(|&l| l == 8) && lengths[58] == 4);

@@ -1,4 +1,4 @@
-//! The contacts, a row each.
+//! Section of a report with a table of the contacts.
 
 use crate::record::episodes::Episode;
 
@@ -6,10 +6,10 @@ use super::data::Data;
 use super::number::{FORCE, IMPULSE, TIME, Units, computed, digits, unit_for};
 use super::page::{Column, Part, Section, Table};
 
-/// More contacts than this are not listed one by one.
+/// Largest number of contacts that the table lists.
 const LISTED: usize = 40;
 
-/// The section.
+/// Makes the section.
 pub fn section(data: &Data) -> Section {
     let all = &data.contacts.episodes;
     let parts = if all.is_empty() {

@@ -1,4 +1,4 @@
-//! What a report is made of: everything that it reads of a result.
+//! Reads all data of a result that a report needs.
 
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -11,25 +11,25 @@ use crate::record::read::{Contacts, episodes, origin};
 use crate::record::stress::{StressMaps, Stresses};
 use crate::scene::{Scene, Strength};
 
-/// A result.
+/// The data of a result.
 pub struct Data {
-    /// Where it is.
+    /// Path of the result file.
     path: PathBuf,
-    /// Its file's name.
+    /// Name of the result file.
     pub file: String,
-    /// When the file was last written, s since 1970.
+    /// Time at which the file was last written, s since 1970; `None` if unknown.
     pub written: Option<u64>,
-    /// Where it comes from.
+    /// Origin of the result.
     pub provenance: Provenance,
-    /// What it has cost, and its estimated error.
+    /// Cost and estimated error of the run.
     pub cost: Cost,
-    /// Whether the run came to its end.
+    /// Whether the run reached its end.
     pub is_complete: bool,
-    /// The scene; or why this version of the program cannot read it.
+    /// The scene, or the reason why this version of the program cannot read it.
     pub scene: std::result::Result<Scene, String>,
-    /// What the material stands.
+    /// Strengths of the faces given in the scene.
     pub strength: Strength,
-    /// The contacts.
+    /// The contact episodes.
     pub contacts: Contacts,
     /// The largest values; `None` without a row.
     pub extremes: Option<Extremes>,
@@ -37,32 +37,32 @@ pub struct Data {
     pub force: Series,
     /// Displacement of the surface under the impactor, m.
     pub deflection: Series,
-    /// Of the impactor, m/s.
+    /// Velocity of the impactor, m/s.
     pub velocity: Series,
-    /// Of the impactor, m.
+    /// Position of the impactor, m.
     pub position: Series,
     /// All energies, J.
     pub energies: Quantity,
-    /// The largest stresses on the faces; `None` where the run has none.
+    /// The largest stresses on the faces; `None` if the run recorded none.
     pub stresses: Option<Stresses>,
-    /// The maps of them over time.
+    /// Maps of the largest tension over time on the faces; `None` if the run recorded none.
     pub stress_maps: Option<StressMaps>,
 }
 
-/// A number in each row.
+/// A scalar time history.
 #[derive(Debug)]
 pub struct Series {
-    /// s.
+    /// Time of each row, s.
     pub time: Vec<f64>,
-    /// One a row.
+    /// Value in each row.
     pub values: Vec<f64>,
 }
 
 impl Data {
-    /// Reads a result.
+    /// Reads the data of a result.
     ///
     /// # Errors
-    /// [`crate::Error::Io`] as [`crate::record::read::history`].
+    /// Same as [`crate::record::read::history`].
     pub fn read(path: &Path) -> Result<Self> {
         let (provenance, cost, is_complete) = origin(path)?;
         let series = |name: &str| -> Result<Series> {
@@ -92,7 +92,7 @@ impl Data {
         })
     }
 
-    /// What the report is called.
+    /// Title of the report: the title of the scene, or the name of the file if the scene has none.
     pub fn title(&self) -> String {
         match self.provenance.title.trim() {
             "" => self.file.clone(),
@@ -100,10 +100,10 @@ impl Data {
         }
     }
 
-    /// What a probe has read, by the name of the dataset.
+    /// Reads the dataset `what` of the probe `name`.
     ///
     /// # Errors
-    /// [`crate::Error::Io`] where it cannot be read.
+    /// [`crate::Error::Io`] if it cannot be read.
     pub fn probe(&self, name: &str, what: &str) -> Result<Quantity> {
         quantity(&self.path, &format!("probe/{name}/{what}"))
     }

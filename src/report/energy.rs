@@ -1,4 +1,4 @@
-//! The energies and their balance.
+//! Section of a report with the energies and their balance.
 
 use crate::error::Result;
 use crate::record::quantity::Quantity;
@@ -8,13 +8,13 @@ use super::figures::Curves;
 use super::number::{ENERGY, SMALLEST_PERCENT, Unit, digits, percent, unit_for, with_unit};
 use super::page::{Column, Part, Section, Table};
 
-/// Energies below this part of the largest are not drawn.
+/// Energies whose maximum is below this fraction of the largest energy are not drawn.
 const SEEN: f64 = 1e-3;
 
-/// A balance that is off by less of the initial energy is off by rounding.
+/// An imbalance below this fraction of the initial energy is regarded as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Names of the datasets and what they are.
+/// Names of the datasets and of the energies in the report.
 const NAMES: [(&str, &str); 9] = [
     ("impactor", "impactor"),
     ("contact", "contact"),
@@ -27,10 +27,10 @@ const NAMES: [(&str, &str); 9] = [
     ("numerical", "integration"),
 ];
 
-/// The section.
+/// Makes the section.
 ///
 /// # Errors
-/// Where the figure cannot be drawn.
+/// If the figure cannot be drawn.
 pub fn section(data: &Data) -> Result<Section> {
     let Quantity { time, parts, .. } = &data.energies;
     let named: Vec<(&str, &[f64])> = NAMES
@@ -77,12 +77,12 @@ fn table(named: &[(&str, &[f64])], unit: Unit) -> Table {
     }
 }
 
-/// A part of a whole as per cent, at least the smallest that is told.
+/// A fraction in per cent, rounded up to the smallest value that is written as a number.
 fn limit(part: f64) -> String {
     if part < SMALLEST_PERCENT { with_unit("0.001".to_owned(), "%") } else { percent(part) }
 }
 
-/// By how much the balance is off, in a sentence.
+/// Describes the error of the energy balance in a sentence; `None` without an initial energy.
 fn balance(energies: &Quantity) -> Option<String> {
     let of = |name: &str| Some(&energies.parts.iter().find(|part| part.name == name)?.values);
     let (total, dissipated, external, numerical) = (of("total")?, of("dissipated")?, of("external")?, of("numerical")?);

@@ -1,15 +1,15 @@
-//! The map of the largest tension over time on a face, as a figure.
+//! Makes a figure of the largest tension over time on a face.
 
 use crate::figure::face::{FaceFigure, Surface};
 use crate::record::stress::{FaceMap, StressMaps, Stresses};
 
 use super::number::{STRESS, TIME, computed, place, unit_for};
 
-/// Difference of a map's values from the run's, as the map has single precision.
+/// Largest relative difference between a value of the map and the same value of the run. Maps have single precision.
 const SINGLE: f64 = 1e-6;
 
-/// The figure of a face of a result's maps; `None` where no point of it has a tension. The largest tension is where the run has it, between the
-/// points of the map too.
+/// Makes the figure of one face of a result; `None` if no point has a tension. The largest tension is marked at the
+/// position recorded by the run, which may lie between the points of the map.
 pub fn face_figure(
     (maps, map): (&StressMaps, &FaceMap),
     stresses: Option<&Stresses>,
@@ -21,7 +21,7 @@ pub fn face_figure(
     let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let unit = unit_for(low.abs().max(high.abs()), STRESS);
     let of_run = stresses.and_then(|stresses| stresses.peak_on(&map.name));
-    // (Rows may lack the step.)
+    // The recorded rows may not include the step of the largest tension.
     let of_run = of_run.filter(|of_run| (of_run.value - high).abs() <= SINGLE * high.abs());
     let (point, time) = of_run.map_or((map.points[largest], map.time[largest]), |of_run| (of_run.point, of_run.time));
     let note = format!("+ largest: {} at {}, at {}", computed(high, STRESS), computed(time, TIME), place(point));
@@ -29,7 +29,7 @@ pub fn face_figure(
         title,
         quantity: "largest principal stress over time".to_owned(),
         unit: unit.name.to_owned(),
-        // A face without any stress has colours all the same.
+        // A face without stress still needs a range for its colours.
         range: if high > low { (low / unit.size, high / unit.size) } else { (low / unit.size, low / unit.size + 1.0) },
         scale: unit.size,
         mark: surface.axes.map(|axis| point[axis]),

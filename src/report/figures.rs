@@ -1,4 +1,4 @@
-//! Figures for a page: the program's own, in a shape for wide pages and one for narrow screens.
+//! Draws the program's figures for a page, in one size for wide pages and one for narrow screens.
 
 use crate::error::Result;
 use crate::figure::Sheet;
@@ -7,39 +7,39 @@ use crate::figure::history::{Curve, History, Run, draw_inline};
 use super::number::{Units, unit_for};
 use super::page::Figure;
 
-/// For wide pages and paper.
+/// Size for wide pages and paper.
 const WIDE: Sheet = Sheet { width: 1600, height: 660 };
-/// For narrow screens, with the same letters.
+/// Size for narrow screens, with letters of the same size.
 const NARROW: Sheet = Sheet { width: 700, height: 600 };
 
-/// What a line of the legend takes of the height.
+/// Height of a line of the legend.
 const LEGEND_LINE: u32 = 40;
-/// About as many names stand beside each other in a legend.
+/// Approximate number of names in a line of the legend, for wide and narrow figures.
 const BESIDE: [u32; 2] = [4, 1];
 
-/// Curves over time.
+/// Data of a figure with curves over time.
 pub struct Curves<'a> {
-    /// What the vertical axis shows.
+    /// Title of the vertical axis.
     pub quantity: &'a str,
-    /// Its units.
+    /// Units from which the unit of the vertical axis is chosen.
     pub units: Units,
-    /// s.
+    /// Times of the values, s.
     pub time: &'a [f64],
-    /// Names, empty for a single curve, and values in SI units.
+    /// Name and values (SI units) of each curve; the name of a single curve may be empty.
     pub curves: Vec<(String, &'a [f64])>,
-    /// Limits that the values are held against, with their names.
+    /// Name and value of limits, drawn as horizontal lines.
     pub limits: Vec<(String, f64)>,
     /// Start and end of each contact, s.
     pub contacts: Vec<(f64, f64)>,
-    /// Below the figure.
+    /// Caption below the figure.
     pub caption: String,
 }
 
 impl Curves<'_> {
-    /// Draws them.
+    /// Draws the figure in both sizes.
     ///
     /// # Errors
-    /// As [`draw_inline`].
+    /// Same as [`draw_inline`].
     pub fn draw(self) -> Result<Figure> {
         let values = self.curves.iter().flat_map(|(_, values)| values.iter().copied());
         let largest = values.chain(self.limits.iter().map(|(_, limit)| *limit));
@@ -68,7 +68,7 @@ impl Curves<'_> {
             }],
         };
         let name = format!("{} over time", self.quantity);
-        // Legends take nothing from the plot.
+        // The sheet is enlarged by the height of the legend, so that the plot keeps its size.
         let names = history.runs[0].curves.iter().filter(|curve| !curve.label.is_empty()).count() as u32;
         let draw = |sheet: Sheet, beside: u32| {
             let height = sheet.height + LEGEND_LINE * names.div_ceil(beside);

@@ -1,4 +1,4 @@
-//! The force and the deflection over time.
+//! Section of a report with the force and the deflection over time.
 
 use crate::error::Result;
 
@@ -7,10 +7,10 @@ use super::figures::Curves;
 use super::number::{ACCELERATION, FORCE, LENGTH, MASS, computed, given};
 use super::page::{Part, Section};
 
-/// The section.
+/// Makes the section.
 ///
 /// # Errors
-/// Where a figure cannot be drawn.
+/// If a figure cannot be drawn.
 pub fn section(data: &Data) -> Result<Section> {
     let mass = data.provenance.impactor_mass;
     let peak = data.extremes.as_ref().map_or(f64::NAN, |extremes| extremes.acceleration.value);

@@ -1,6 +1,6 @@
-//! A report on a run, to hand in: one page that needs nothing else.
+//! Makes a report on a run: a single HTML page without external files.
 //!
-//! The data's way: a result's file → `data` → sections of text, tables and figures, a file each → `page` → HTML.
+//! Flow of the data: result file → `data` → sections of text, tables and figures (one file each) → `page` → HTML.
 
 mod contacts;
 mod data;
@@ -28,10 +28,10 @@ use data::Data;
 pub use faces::face_figure;
 use page::{Page, Section};
 
-/// The report on the result `path`: the text of an HTML file.
+/// Makes the report on the result `path`. Returns the text of an HTML file.
 ///
 /// # Errors
-/// [`Error::Io`] as [`crate::record::read::history`].
+/// Same as [`crate::record::read::history`]; [`Error::Output`] if a figure or the page cannot be made.
 pub fn report(path: &Path) -> Result<String> {
     let data = Data::read(path)?;
     let page = Page {
@@ -45,7 +45,7 @@ pub fn report(path: &Path) -> Result<String> {
     page.render().map_err(|error| Error::Output(format!("the report cannot be made: {error}")))
 }
 
-/// The sections in the order of a reader's questions: what was computed, by what, with what result, and where it comes from.
+/// The sections in the order of a reader's questions: the computed scene, the model, the results, and their origin.
 fn sections(data: &Data) -> Result<Vec<Section>> {
     Ok(vec![
         scene::section(data),

@@ -1,4 +1,4 @@
-//! The model that was taken, and why; how good it is; what it leaves out.
+//! Section of a report with the model, the reason for its selection, its estimated errors and its assumptions.
 
 use crate::record::provenance::ModelDetails;
 use crate::scene::{Model, Scene};
@@ -7,7 +7,7 @@ use super::data::Data;
 use super::number::percent;
 use super::page::{Fact, Facts, Part, Section};
 
-/// The section.
+/// Makes the section.
 pub fn section(data: &Data) -> Section {
     let origin = &data.provenance;
     let mut rows = vec![Fact::new("Theory", theory(&origin.model))];
@@ -49,7 +49,7 @@ pub fn section(data: &Data) -> Section {
     Section { id: "model", title: "Model", parts }
 }
 
-/// A theory's name in words.
+/// Readable name of a theory.
 fn theory(name: &str) -> String {
     match name {
         "half-space" => "Half-space: the local indentation alone",
@@ -63,7 +63,7 @@ fn theory(name: &str) -> String {
     .to_owned()
 }
 
-/// Who has selected the theory, and why.
+/// States whether the scene or the program selected the theory, and the reason.
 fn selected(data: &Data) -> String {
     let asked = data.scene.as_ref().map(|scene| scene.body.model);
     let reason = data.provenance.model_details.as_ref().map(|details| &details.reason);
@@ -75,7 +75,7 @@ fn selected(data: &Data) -> String {
     }
 }
 
-/// With a capital letter and a full stop.
+/// Adds a capital letter at the start and a full stop at the end.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|letter| letter.to_uppercase().to_string()).unwrap_or_default();
@@ -84,9 +84,9 @@ fn sentence(text: &str) -> String {
 
 /// An estimated error in words.
 pub struct Estimate {
-    /// Per cent, or that there is none.
+    /// The error in per cent, or "not estimated".
     pub value: String,
-    /// Of what; may be empty.
+    /// Reference value and scope of the error; may be empty.
     pub of: String,
 }
 
@@ -96,7 +96,7 @@ impl Estimate {
     }
 }
 
-/// That of the acceleration, with the tolerance.
+/// Estimated error of the acceleration, with the tolerance.
 pub fn acceleration_error(data: &Data) -> Estimate {
     let error = data.cost.error_estimate;
     if error.is_nan() {
@@ -111,13 +111,13 @@ pub fn acceleration_error(data: &Data) -> Estimate {
     Estimate { value: percent(error), of: format!("of the peak, over the whole history{tolerance}{without}") }
 }
 
-/// Whether a theory simpler than the solid was named in the scene, whose error nothing estimates then.
+/// Whether the scene prescribes a theory simpler than the solid. The error of such a theory is not estimated.
 fn is_theory_left_out(data: &Data) -> bool {
     let is_named = |scene: &Scene| !matches!(scene.body.model, Model::Auto | Model::Solid);
     data.scene.as_ref().is_ok_and(is_named)
 }
 
-/// That of the largest tension.
+/// Estimated error of the largest tension.
 pub fn stress_error(error: f64) -> Estimate {
     match error.is_nan() {
         true => Estimate { value: "not estimated".to_owned(), of: String::new() },

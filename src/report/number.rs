@@ -1,80 +1,80 @@
-//! Numbers with units, with the digits that an engineer reads.
+//! Formats numbers with units, with the number of digits that engineers use.
 
 use crate::figure::exponential;
 use crate::scene::Vec3;
 
-/// Between a number and its unit: a space where no line is broken.
+/// The character between a number and its unit: a no-break space.
 const SPACE: char = '\u{a0}';
 
-/// A unit and its value in SI units.
+/// A unit of a physical quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// As it is written.
+    /// Symbol of the unit.
     pub name: &'static str,
-    /// How many of the SI unit it is.
+    /// Value of one unit in SI units.
     pub size: f64,
-    /// The least value that it is taken for, in SI units.
+    /// Smallest magnitude for which the unit is used, in SI units.
     from: f64,
 }
 
-/// A physical quantity: its units, the smallest first.
+/// Units of a physical quantity, in ascending order of size.
 pub type Units = &'static [Unit];
 
 const fn unit(name: &'static str, size: f64, from: f64) -> Unit {
     Unit { name, size, from }
 }
 
-/// s.
+/// Units of time.
 pub const TIME: Units = &[unit("µs", 1e-6, 0.0), unit("ms", 1e-3, 1e-5), unit("s", 1.0, 0.1)];
-/// m.
+/// Units of length.
 pub const LENGTH: Units = &[unit("µm", 1e-6, 0.0), unit("mm", 1e-3, 1e-5), unit("m", 1.0, 0.1)];
-/// N.
+/// Units of force.
 pub const FORCE: Units = &[unit("N", 1.0, 0.0), unit("kN", 1e3, 1e3), unit("MN", 1e6, 1e6)];
-/// Pa.
+/// Units of stress.
 pub const STRESS: Units = &[unit("Pa", 1.0, 0.0), unit("kPa", 1e3, 1e3), unit("MPa", 1e6, 1e5)];
-/// Pa, of materials.
+/// Units of the elastic moduli of materials.
 pub const MODULUS: Units = &[unit("Pa", 1.0, 0.0), unit("MPa", 1e6, 1e5), unit("GPa", 1e9, 1e9)];
-/// J.
+/// Units of energy.
 pub const ENERGY: Units = &[unit("mJ", 1e-3, 0.0), unit("J", 1.0, 0.1)];
-/// N s.
+/// Units of impulse.
 pub const IMPULSE: Units = &[unit("N s", 1.0, 0.0)];
-/// m/s.
+/// Units of velocity.
 pub const SPEED: Units = &[unit("m/s", 1.0, 0.0)];
-/// m/s².
+/// Units of acceleration.
 pub const ACCELERATION: Units = &[unit("m/s²", 1.0, 0.0)];
-/// kg.
+/// Units of mass.
 pub const MASS: Units = &[unit("g", 1e-3, 0.0), unit("kg", 1.0, 0.1)];
 
-/// The unit of a value.
+/// Chooses the unit for a value in SI units.
 pub fn unit_for(value: f64, units: Units) -> Unit {
-    // But for rounding: 0.1 m is not 100 mm.
+    // The tolerance allows for rounding: 0.1 m is written as 0.1 m, not as 100 mm.
     let fitting = units.iter().rev().find(|unit| value.abs() >= unit.from * (1.0 - 1e-9));
     let of_nothing = || units.iter().find(|unit| unit.size == 1.0);
     let found = if value == 0.0 { of_nothing() } else { fitting };
     found.or(units.first()).copied().unwrap_or(unit("", 1.0, 0.0))
 }
 
-/// A computed value with its unit: four digits.
+/// Formats a computed value (SI units) with its unit and four significant digits.
 pub fn computed(value: f64, units: Units) -> String {
     let unit = unit_for(value, units);
     with_unit(digits(value / unit.size, 4), unit.name)
 }
 
-/// A value that the user has given, with its unit: all digits that it has.
+/// Formats a value given by the user (SI units) with its unit and all its digits.
 pub fn given(value: f64, units: Units) -> String {
     let unit = unit_for(value, units);
     with_unit(plain(value / unit.size), unit.name)
 }
 
-/// A number and its unit.
+/// Joins a number and its unit, without allowing a line break.
 pub fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number}{SPACE}{}", unit.replace(' ', "\u{a0}")) }
 }
 
-/// The smallest part of a whole that is told as a number.
+/// Smallest fraction that [`percent`] writes as a number.
 pub const SMALLEST_PERCENT: f64 = 1e-5;
 
-/// A part of a whole as per cent, with two digits.
+/// Formats a fraction in per cent with two significant digits.
 pub fn percent(part: f64) -> String {
     if !part.is_finite() {
         return MISSING.to_owned();
@@ -82,10 +82,10 @@ pub fn percent(part: f64) -> String {
     if part.abs() < SMALLEST_PERCENT { format!("below 0.001{SPACE}%") } else { with_unit(digits(100.0 * part, 2), "%") }
 }
 
-/// In the place of what is no number.
+/// Text for values that are not finite.
 const MISSING: &str = "–";
 
-/// A number with so many significant digits; very large and small ones with a power of ten.
+/// Formats a number with `count` significant digits. Very large and very small numbers have a power of ten.
 pub fn digits(value: f64, count: usize) -> String {
     if !value.is_finite() {
         return MISSING.to_owned();
@@ -93,7 +93,7 @@ pub fn digits(value: f64, count: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    // As it is written with these digits, so that 9.9996 has the power of 10.
+    // The power is taken from the rounded number, so that 9.9996 with four digits becomes 10.00.
     let written = format!("{value:.*e}", count.saturating_sub(1));
     let (mantissa, power) = written.split_once('e').unwrap_or((&written, "0"));
     let power: i32 = power.parse().unwrap_or_default();
@@ -105,12 +105,12 @@ pub fn digits(value: f64, count: usize) -> String {
     signed(&text)
 }
 
-/// A number with all its digits, up to ten; very large and small ones with a power of ten.
+/// Formats a number with all its digits, at most ten. Very large and very small numbers have a power of ten.
 pub fn plain(value: f64) -> String {
     if !value.is_finite() {
         return MISSING.to_owned();
     }
-    // Without the noise of a conversion of units.
+    // Removes rounding errors from the conversion of units.
     let value: f64 = format!("{value:.9e}").parse().unwrap_or(value);
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
         return signed(&value.to_string());
@@ -121,17 +121,17 @@ pub fn plain(value: f64) -> String {
     if mantissa == "1" { power } else { signed(&format!("{mantissa}{SPACE}×{SPACE}{power}")) }
 }
 
-/// With a minus sign in the place of a hyphen.
+/// Replaces hyphens by minus signs.
 fn signed(text: &str) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// A vector in a unit that the user has given it in.
+/// Formats a vector in the unit of the user's input.
 pub fn vector(values: Vec3, unit: &str) -> String {
     with_unit(format!("({})", values.map(|value| plain(value + 0.0)).join(", ")), unit)
 }
 
-/// One number where all components are alike, otherwise all three.
+/// Formats a vector as one number if all components are equal, otherwise as three numbers.
 pub fn by_component(values: Vec3, unit: &str) -> String {
     if values.iter().all(|value| *value == values[0]) {
         with_unit(plain(values[0]), unit)
@@ -140,16 +140,17 @@ pub fn by_component(values: Vec3, unit: &str) -> String {
     }
 }
 
-/// A place that was found, in mm.
+/// Formats a computed position in mm.
 pub fn place(point: Vec3) -> String {
-    // Rounded to micrometres, and no zero with a sign.
+    // Rounded to micrometres. This may result in −0, from which `vector` removes the sign.
     vector(point.map(|x| (1e6 * x).round() * 1e-3), "mm")
 }
 
-/// The day and the time of a number of seconds since 1970, UTC.
+/// Formats seconds since 1970 as date and time, UTC.
 pub fn date(seconds: u64) -> String {
     let (days, rest) = (seconds / 86_400, seconds % 86_400);
-    // Days from 0000-03-01, so that a leap day is the last of its year (H. Hinnant, chrono-compatible low-level date algorithms).
+    // Days since 0000-03-01, so that a leap day is the last day of its year (H. Hinnant, chrono-compatible low-level
+    // date algorithms).
     let shifted = days + 719_468;
     let (era, day) = (shifted / 146_097, shifted % 146_097);
     let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;

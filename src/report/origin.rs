@@ -1,10 +1,10 @@
-//! Where the result comes from, and what it has cost.
+//! Section of a report with the origin and the cost of the result.
 
 use super::data::Data;
 use super::number::{TIME, computed, date};
 use super::page::{Fact, Facts, Part, Section};
 
-/// The section.
+/// Makes the section.
 pub fn section(data: &Data) -> Section {
     let (origin, cost) = (&data.provenance, &data.cost);
     let options = if origin.petsc_options.is_empty() { "none" } else { &origin.petsc_options };

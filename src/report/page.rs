@@ -1,4 +1,4 @@
-//! What a report consists of, before it is HTML. The templates are in the folder `page`.
+//! Content of a report, from which the templates in the folder `page` make HTML.
 
 use askama::Template;
 
@@ -6,55 +6,55 @@ use askama::Template;
 #[derive(Template)]
 #[template(path = "report.html")]
 pub struct Page {
-    /// Of the scene.
+    /// Title of the scene.
     pub title: String,
-    /// Name of the result's file.
+    /// Name of the result file.
     pub file: String,
-    /// When it was last written.
+    /// Date at which the result was last written; `None` if unknown.
     pub date: Option<String>,
-    /// Of the program that has made the report.
+    /// Version of the program that made the report.
     pub version: &'static str,
-    /// What a reader must know.
+    /// The summary at the top of the page.
     pub summary: Summary,
-    /// The rest.
+    /// The sections below the summary.
     pub sections: Vec<Section>,
 }
 
-/// What a reader must know.
+/// The summary of a report.
 #[derive(Debug, Default)]
 pub struct Summary {
-    /// What was hit by what.
+    /// The impact in one sentence.
     pub sentence: String,
-    /// What follows from the results, and what restricts them.
+    /// Conclusions from the results, and their limitations.
     pub verdicts: Vec<Verdict>,
     /// The key figures.
     pub facts: Vec<KeyFigure>,
 }
 
-/// A conclusion.
+/// A conclusion in the summary.
 #[derive(Debug)]
 pub struct Verdict {
-    /// How good it is.
+    /// Rating of the result.
     pub grade: Grade,
-    /// In a few words.
+    /// Title of a few words.
     pub title: String,
-    /// In a sentence.
+    /// Explanation in a sentence or two.
     pub text: String,
 }
 
-/// How good a conclusion is.
+/// Rating of a conclusion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Grade {
-    /// As wanted.
+    /// The requirement is met.
     Good,
     /// Not certain.
     Open,
-    /// Not as wanted.
+    /// The requirement is not met.
     Bad,
 }
 
 impl Grade {
-    /// Its class in the style sheet.
+    /// Class in the style sheet.
     pub fn class(self) -> &'static str {
         match self {
             Self::Good => "good",
@@ -63,7 +63,7 @@ impl Grade {
         }
     }
 
-    /// A sign that is read without colour.
+    /// Sign that conveys the rating without colour.
     pub fn sign(self) -> &'static str {
         match self {
             Self::Good => "✓",
@@ -73,63 +73,63 @@ impl Grade {
     }
 }
 
-/// A number of the summary.
+/// A key figure of the summary.
 #[derive(Debug)]
 pub struct KeyFigure {
-    /// What it is.
+    /// Name of the quantity.
     pub name: &'static str,
-    /// With its unit.
+    /// Value with its unit.
     pub value: String,
-    /// When, where; may be empty.
+    /// Time or place of the value; may be empty.
     pub note: String,
 }
 
-/// A section.
+/// A section of the report.
 #[derive(Debug)]
 pub struct Section {
-    /// Its name in links.
+    /// Identifier for links.
     pub id: &'static str,
-    /// Its heading.
+    /// Heading of the section.
     pub title: &'static str,
-    /// What it has, from top to bottom.
+    /// Content from top to bottom.
     pub parts: Vec<Part>,
 }
 
-/// A part of a section.
+/// An element of a section.
 #[derive(Debug)]
 pub enum Part {
     /// A paragraph.
     Text(String),
-    /// Names and values.
+    /// A table of names and values.
     Facts(Facts),
-    /// Rows of numbers.
+    /// A table of numbers.
     Table(Table),
     /// A figure.
     Figure(Figure),
-    /// A text that is unfolded on demand, and in print.
+    /// A text that is hidden until the reader opens it; it is always visible in print.
     Fold(Fold),
 }
 
 /// A table of names and values.
 #[derive(Debug)]
 pub struct Facts {
-    /// What they are about.
+    /// Caption of the table.
     pub caption: String,
     /// The rows.
     pub rows: Vec<Fact>,
 }
 
-/// A name and a value.
+/// A row of [`Facts`].
 #[derive(Debug)]
 pub struct Fact {
-    /// What it is.
+    /// Name of the quantity or property.
     pub name: String,
-    /// In words, or with its unit.
+    /// Value in words, or a number with its unit.
     pub value: String,
 }
 
 impl Fact {
-    /// A name and a value.
+    /// Makes a row from a name and a value.
     pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self { name: name.into(), value: value.into() }
     }
@@ -138,16 +138,16 @@ impl Fact {
 /// A table; the first cell of each row is its heading.
 #[derive(Debug)]
 pub struct Table {
-    /// What it shows.
+    /// Caption of the table.
     pub caption: String,
     /// The columns.
     pub columns: Vec<Column>,
-    /// A cell for each column.
+    /// The rows, each with a cell for every column.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// Whether it stays on one sheet of paper.
+    /// Whether the table is short enough to be kept on one page in print (at most 12 rows).
     pub fn is_short(&self) -> bool {
         self.rows.len() <= 12
     }
@@ -156,42 +156,42 @@ impl Table {
 /// A column of a table.
 #[derive(Debug)]
 pub struct Column {
-    /// Its heading.
+    /// Heading of the column.
     pub name: String,
-    /// The unit of its numbers; may be empty.
+    /// Unit of the numbers; may be empty.
     pub unit: &'static str,
-    /// Whether it holds words, which begin at the left.
+    /// Whether the column contains text, which is left-aligned.
     pub is_text: bool,
 }
 
 impl Column {
-    /// A column of words.
+    /// Makes a column of text.
     pub fn text(name: &str) -> Self {
         Self { name: name.to_owned(), unit: "", is_text: true }
     }
 
-    /// A column of numbers in a unit.
+    /// Makes a column of numbers with a unit.
     pub fn number(name: &str, unit: &'static str) -> Self {
         Self { name: name.to_owned(), unit, is_text: false }
     }
 }
 
-/// A figure in two shapes, of which a page shows the one that fits.
+/// A figure in two sizes; the page shows the one that fits its width.
 #[derive(Debug)]
 pub struct Figure {
-    /// An element `svg` for wide pages and paper.
+    /// Text of an `svg` element for wide pages and paper.
     pub wide: String,
-    /// One for narrow screens.
+    /// Text of an `svg` element for narrow screens.
     pub narrow: String,
-    /// What it shows.
+    /// Caption of the figure.
     pub caption: String,
 }
 
-/// A text that is unfolded on demand.
+/// A text that the reader can open.
 #[derive(Debug)]
 pub struct Fold {
-    /// What it is.
+    /// Title, which is always visible.
     pub title: String,
-    /// As it is, line by line.
+    /// The text; its line breaks are kept.
     pub text: String,
 }

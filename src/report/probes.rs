@@ -1,4 +1,4 @@
-//! What probes have read: their largest values, and the tension over time.
+//! Section of a report with the largest values at the probes, and their stresses and displacements over time.
 
 use crate::error::Result;
 use crate::record::extremes::ProbeExtremes;
@@ -8,13 +8,13 @@ use super::figures::Curves;
 use super::number::{LENGTH, STRESS, TIME, Units, digits, place, unit_for};
 use super::page::{Column, Part, Section, Table};
 
-/// More probes than this are not drawn: those with the largest values are.
+/// Largest number of drawn probes; the probes with the largest values are drawn.
 const DRAWN: usize = 6;
 
-/// The section.
+/// Makes the section.
 ///
 /// # Errors
-/// Where a probe cannot be read or a figure not be drawn.
+/// If a probe cannot be read or a figure cannot be drawn.
 pub fn section(data: &Data) -> Result<Section> {
     let probes = data.extremes.as_ref().map_or(&[][..], |extremes| &extremes.probes);
     let mut parts = Vec::new();
@@ -65,7 +65,8 @@ fn table(data: &Data, probes: &[ProbeExtremes]) -> Table {
     }
 }
 
-/// A number of each row of the probes with the largest ones, over time.
+/// Draws a scalar over time for the probes with the largest values. `of_row` computes it from the components of a row;
+/// the probes are ranked by `size`.
 fn figure(
     data: &Data,
     dataset: &str,

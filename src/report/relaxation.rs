@@ -1,4 +1,4 @@
-//! How the materials of a body relax: a table for each Maxwell chain.
+//! Tables of a report with the viscoelastic materials of a body, one for each generalised Maxwell chain.
 
 use crate::material::{Material, Maxwell, Term, Wlf};
 use crate::scene::{Body, Parts};
@@ -6,14 +6,14 @@ use crate::scene::{Body, Parts};
 use super::number::{MODULUS, computed, digits, given, plain, with_unit};
 use super::page::{Column, Part, Table};
 
-/// A chain, and the parts of the body that have it.
+/// A generalised Maxwell chain, and the names of the parts of the body with this chain.
 struct Relaxing<'a> {
     shear: &'a Maxwell,
     shift: Option<Wlf>,
     parts: Vec<String>,
 }
 
-/// A table for each chain that occurs, with the temperature's effect; none where all is elastic.
+/// Makes a table for each chain, with a text on the effect of temperature. An elastic body has no tables.
 pub fn tables(body: &Body) -> Vec<Part> {
     let mut chains: Vec<Relaxing> = Vec::new();
     for (part, material) in materials(body) {
@@ -30,7 +30,7 @@ pub fn tables(body: &Body) -> Vec<Part> {
     parts.collect()
 }
 
-/// What the temperature does to the times, in words.
+/// Describes how the temperature shifts the relaxation times.
 fn shifted(wlf: &Wlf, temperature: Option<f64>) -> String {
     let Wlf { c1, c2, reference } = *wlf;
     let celsius = |temperature: f64| with_unit(plain(temperature), "°C");

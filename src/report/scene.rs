@@ -1,4 +1,4 @@
-//! The scene in words: body, supports, impactor, loads, time; and its text.
+//! Section of a report with the scene: body, supports, impactor, loads, time, and the full text.
 
 use crate::contact::ForceLaw;
 use crate::form;
@@ -15,7 +15,7 @@ use super::number::{
 use super::page::{Column, Fact, Facts, Fold, Part, Section, Table};
 use super::relaxation;
 
-/// The section.
+/// Makes the section.
 pub fn section(data: &Data) -> Section {
     let mut parts = Vec::new();
     match &data.scene {
@@ -40,7 +40,7 @@ fn facts(caption: &str, rows: Vec<Fact>) -> Part {
     Part::Facts(Facts { caption: caption.to_owned(), rows })
 }
 
-/// A body's shape and size in a few words.
+/// Shape and size of a body in a few words.
 pub fn shape(body: &Body) -> String {
     match &body.geometry {
         Geometry::Box { size, .. } => {
@@ -79,10 +79,10 @@ fn body(body: &Body) -> Vec<Fact> {
     rows
 }
 
-/// The constants of a part of the body; those at t → 0 where it relaxes.
+/// Elastic constants and density of a part of the body; the instantaneous constants (t → 0) if it is viscoelastic.
 fn constants(part: &str, material: &Material) -> [Fact; 3] {
     let form::Material { young, poisson, density } = material.instantaneous;
-    // Computed from the moduli of a chain, they would have all digits.
+    // The constants computed from the moduli of a chain would otherwise be written with all their digits.
     let (when, young, poisson) = match material.shear {
         None => ("", given(young, MODULUS), plain(poisson)),
         Some(_) => (" at t → 0", computed(young, MODULUS), digits(poisson, 4)),
@@ -126,7 +126,7 @@ fn held(components: [bool; 3]) -> String {
     names.join(", ")
 }
 
-/// A surface, or which part of it.
+/// Name of a surface, or description of a part of it.
 fn place(surface: &str, within: Option<Within>) -> String {
     match within {
         None => surface.to_owned(),
@@ -147,7 +147,7 @@ fn impactor(impactor: &Impactor) -> Vec<Fact> {
     }
     rows.push(Fact::new("Speed", drop(impactor.speed)));
     rows.push(Fact::new("Impact point", vector(impactor.point, "m")));
-    // No digits that come from making it a unit vector.
+    // Rounded to remove digits that come from normalising the vector.
     rows.push(Fact::new("Direction", vector(impactor.direction.map(|d| (1e6 * d).round() / 1e6), "")));
     if impactor.gap != 0.0 {
         rows.push(Fact::new("Gap at the start", given(impactor.gap, LENGTH)));
@@ -162,7 +162,7 @@ fn impactor(impactor: &Impactor) -> Vec<Fact> {
     rows
 }
 
-/// A speed, and from where a body falls that has it.
+/// A speed, with the height of the free fall that leads to it.
 fn drop(speed: f64) -> String {
     let height = speed * speed / (2.0 * STANDARD_GRAVITY);
     format!("{} (as after a fall of {})", given(speed, SPEED), computed(height, LENGTH))
@@ -171,7 +171,7 @@ fn drop(speed: f64) -> String {
 fn law(law: &ForceLaw) -> String {
     match law {
         ForceLaw::Hertz(law) => {
-            // Rounded, for it is computed from the materials in most scenes.
+            // Rounded, because most scenes let the program compute the stiffness from the materials.
             let stiffness = digits(law.stiffness, 4);
             format!("Hertz, F = k₀ α^1.5 with k₀ = {}", with_unit(stiffness, "N/m^1.5"))
         }
@@ -232,7 +232,7 @@ fn time(scene: &Scene) -> Vec<Fact> {
     ]
 }
 
-/// What hits what, in a sentence.
+/// Describes the impact in a sentence.
 pub fn sentence(scene: &Scene) -> String {
     let Impactor { mass, radius, speed, point, .. } = &scene.impactor;
     let surface = radius.map_or(String::new(), |radius| format!(" with a surface radius of {}", given(radius, LENGTH)));

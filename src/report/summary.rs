@@ -1,4 +1,4 @@
-//! What a reader must know: what was hit by what, the key figures, and what follows from them.
+//! Summary of a report: the impact in a sentence, the key figures, and the conclusions.
 
 use crate::impact::step::{Contact, Energy, Motion, Step};
 use crate::model::{self, Linearity};
@@ -12,7 +12,7 @@ use super::page::{Grade, KeyFigure, Summary, Verdict};
 use super::scene::sentence;
 use super::tension::{face_name, most_used};
 
-/// The summary.
+/// Makes the summary.
 pub fn summary(data: &Data) -> Summary {
     let first = data.velocity.values.first().copied().unwrap_or(f64::NAN);
     let unread = || {
@@ -33,14 +33,14 @@ fn verdict(grade: Grade, title: &str, text: String) -> Verdict {
     Verdict { grade, title: title.to_owned(), text }
 }
 
-/// That the run did not reach its end.
+/// Conclusion if the run did not reach its end.
 fn incomplete(data: &Data) -> Option<Verdict> {
     let wanted = data.scene.as_ref().map_or(String::new(), |scene| format!(" of {}", given(scene.time.end, TIME)));
     let text = format!("The run was ended at {}{wanted}. All values are those up to then.", computed(data.end(), TIME));
     (!data.is_complete).then(|| verdict(Grade::Open, "Incomplete", text))
 }
 
-/// Whether the strength is exceeded.
+/// Conclusion on the strength; `None` if the scene gives no strength.
 fn strength(data: &Data) -> Option<Verdict> {
     if !data.strength.is_given() {
         return None;
@@ -81,7 +81,7 @@ fn strength(data: &Data) -> Option<Verdict> {
     })
 }
 
-/// That the deflection is too large for the model.
+/// Conclusion if the deflection is too large for a geometrically linear model.
 fn deflection(data: &Data) -> Option<Verdict> {
     let theories =
         [Model::HalfSpace, Model::InfinitePlate, Model::Kirchhoff, Model::Mindlin, Model::Layerwise, Model::Solid];

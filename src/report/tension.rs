@@ -1,4 +1,4 @@
-//! The largest tension on the faces of the body, and what the material stands.
+//! Section of a report with the largest tension on the faces of the body, compared with the strength.
 
 use crate::error::Result;
 use crate::figure::Sheet;
@@ -12,13 +12,13 @@ use super::model::{Estimate, stress_error};
 use super::number::{STRESS, TIME, computed, digits, given, percent, place, unit_for};
 use super::page::{Column, Figure, Part, Section, Table};
 
-/// More faces than this are not drawn: those with the largest tension are.
+/// Largest number of drawn faces; the faces with the largest tension are drawn.
 const DRAWN: usize = 6;
 
-/// The section.
+/// Makes the section.
 ///
 /// # Errors
-/// Where a figure cannot be drawn.
+/// If a figure cannot be drawn.
 pub fn section(data: &Data) -> Result<Section> {
     let mut parts = Vec::new();
     match &data.stresses {
@@ -37,11 +37,11 @@ pub fn section(data: &Data) -> Result<Section> {
     Ok(Section { id: "tension", title: "Largest tension", parts })
 }
 
-/// Sheets of a map for wide pages and for narrow screens.
+/// Size of a map for wide pages, and below it the size for narrow screens.
 const WIDE: Sheet = Sheet { width: 1600, height: 900 };
 const NARROW: Sheet = Sheet { width: 620, height: 640 };
 
-/// The maps of the largest tension over time on the faces that have one.
+/// Draws the maps of the largest tension over time on the faces.
 fn maps(data: &Data, stresses: &Stresses) -> Result<Vec<Part>> {
     let Some(maps) = &data.stress_maps else { return Ok(Vec::new()) };
     let is_drawn = drawn(stresses);
@@ -67,7 +67,7 @@ fn maps(data: &Data, stresses: &Stresses) -> Result<Vec<Part>> {
     Ok(parts)
 }
 
-/// A face as a reader knows it.
+/// Readable name of a face.
 pub fn face_name(name: &str) -> String {
     match name {
         "upper" => "upper face (hit)".to_owned(),
@@ -76,26 +76,26 @@ pub fn face_name(name: &str) -> String {
     }
 }
 
-/// A face's largest tension, what it stands, and the part of it that is used.
+/// Largest tension on a face, and the strength of the face.
 pub struct Use {
-    /// The largest tension.
+    /// Largest tension on the face.
     pub largest: Largest,
-    /// Pa.
+    /// Strength of the face, Pa.
     pub strength: f64,
 }
 
 impl Use {
-    /// The tension over the strength.
+    /// Largest tension divided by the strength.
     pub fn part(&self) -> f64 {
         self.largest.value / self.strength
     }
 }
 
-/// The face that uses the most of its strength; `None` where no face has one.
+/// The face with the largest ratio of tension to strength; `None` if no face has a strength.
 pub fn most_used(data: &Data) -> Option<Use> {
     let stresses = data.stresses.as_ref()?;
     let of_rows = stresses.faces.iter().filter_map(|face| face.peak(&stresses.time));
-    // The attributes know all steps, the rows those that were recorded.
+    // The attributes cover all steps, but the rows only the recorded ones.
     let all = of_rows.chain(stresses.largest.clone());
     let used = all.filter_map(|largest| Some(Use { strength: data.strength.of(&largest.face)?, largest }));
     used.max_by(|one, other| one.part().total_cmp(&other.part()))
@@ -140,7 +140,7 @@ fn table(data: &Data, stresses: &Stresses) -> Table {
     }
 }
 
-/// The error of the stresses, and when the strength was exceeded.
+/// Describes the estimated error of the stresses, and when the strength was exceeded.
 fn judgement(data: &Data, stresses: &Stresses) -> String {
     let strength = match (!data.strength.is_given(), stresses.strength_passed_at) {
         (true, _) => "The scene gives no strength.".to_owned(),
@@ -154,7 +154,7 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
     format!("{strength} Estimated error of the largest tension: {}.", format!("{value} {of}").trim_end())
 }
 
-/// The faces that are drawn.
+/// The faces to be drawn.
 fn drawn(stresses: &Stresses) -> Vec<&Face> {
     let size = |face: &&Face| face.peak(&stresses.time).map_or(f64::NEG_INFINITY, |peak| peak.value);
     let mut drawn: Vec<&Face> = stresses.faces.iter().collect();
@@ -180,7 +180,7 @@ fn figure(data: &Data, stresses: &Stresses) -> Result<Part> {
     curves.draw().map(Part::Figure)
 }
 
-/// What some faces stand: a line where they all stand the same, otherwise one each.
+/// Strengths of the faces to be drawn as limits: one line if all are equal, otherwise one line for each face.
 fn limits(data: &Data, faces: &[&Face]) -> Vec<(String, f64)> {
     let strengths = faces.iter().filter_map(|face| Some((face.name.as_str(), data.strength.of(&face.name)?)));
     let mut strengths: Vec<(&str, f64)> = strengths.collect();
@@ -193,7 +193,7 @@ fn limits(data: &Data, faces: &[&Face]) -> Vec<(String, f64)> {
     strengths.into_iter().map(named).collect()
 }
 
-/// Hertz's radial tension, in a sentence.
+/// Describes the largest radial tension of Hertz's theory at the edge of the contact.
 fn ring(stresses: &Stresses) -> Option<String> {
     let rows = stresses.ring.iter().zip(&stresses.time).filter(|(value, _)| value.is_finite());
     let (value, time) = rows.max_by(|one, other| one.0.total_cmp(other.0))?;

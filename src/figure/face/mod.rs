@@ -1,4 +1,4 @@
-//! A face of the body with the largest tension over time as colours.
+//! Draws a face of the body with the largest tension over time in colours.
 
 mod surface;
 
@@ -20,28 +20,29 @@ use crate::error::{Error, Result};
 
 pub use surface::Surface;
 
-/// A map of one face.
+/// Data of the figure of one face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceFigure {
-    /// Above all; may be empty.
+    /// Title above the figure; may be empty.
     pub title: String,
-    /// What the colours show.
+    /// Quantity shown by the colours.
     pub quantity: String,
-    /// The unit of the colours.
+    /// Unit of the colour scale.
     pub unit: String,
-    /// What a value of the surface is divided by for that.
+    /// Divisor that converts a value of the surface to the unit of the colour scale.
     pub scale: f64,
-    /// The values.
+    /// The values on the face, in SI units.
     pub surface: Surface,
-    /// The lowest and the highest value that colours show, in their unit.
+    /// Lowest and highest value of the colour scale, in its unit.
     pub range: (f64, f64),
-    /// The place that is marked, along the axes of the surface, m.
+    /// Position of the marked point along the axes of the surface, m.
     pub mark: [f64; 2],
-    /// What is told of it below the map.
+    /// Note below the figure.
     pub note: String,
 }
 
-/// Rows of coloured cells, and bands of colour: neighbours of one colour are drawn at once.
+/// Number of rows of coloured cells, and below it the number of colours. Neighbouring cells of one colour are drawn as
+/// one rectangle.
 const ROWS: usize = 160;
 const BANDS: f64 = 20.0;
 
@@ -52,18 +53,18 @@ const GAP: f64 = 40.0;
 const INK: RGBColor = RGBColor(30, 30, 30);
 const PAPER: RGBColor = RGBColor(255, 255, 255);
 
-/// Draws to `out`, an SVG or a PNG by its extension.
+/// Draws to `out`, an SVG or a PNG depending on its extension.
 ///
 /// # Errors
-/// [`Error::Usage`] for another extension; [`Error::Io`] when the file cannot be written.
+/// [`Error::Usage`] for another extension; [`Error::Io`] if the file cannot be written.
 pub fn draw(figure: &FaceFigure, out: &Path) -> Result<()> {
     save(figure, out)
 }
 
-/// Draws to the text of an element `svg` for a page.
+/// Draws to the text of an `svg` element for a page. `name` is its description for screen readers.
 ///
 /// # Errors
-/// [`Error::Output`] where that fails.
+/// [`Error::Output`] if the figure cannot be drawn.
 pub fn draw_inline(figure: &FaceFigure, sheet: Sheet, name: &str) -> Result<String> {
     inline(figure, sheet, name).map_err(Error::Output)
 }
@@ -97,7 +98,7 @@ impl FaceFigure {
         Ok(())
     }
 
-    /// The circle in which values are interpolated, as far as it is on the face.
+    /// Draws the part of the circle of interpolated values that lies on the face.
     fn draw_unread<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
         let Some((middle, radius)) = self.surface.unread else { return Ok(()) };
         let [across, up] = self.surface.ends;
@@ -127,10 +128,10 @@ impl FaceFigure {
     }
 }
 
-/// Points of a circle.
+/// Number of points of a circle.
 const ROUND: usize = 96;
 
-/// The colour of the band that a place from 0 to 1 is in.
+/// Colour of the band that contains a relative position between 0 and 1.
 fn banded(place: f64) -> RGBColor {
     shade(((place * BANDS).floor().clamp(0.0, BANDS - 1.0) + 0.5) / BANDS)
 }
@@ -139,7 +140,7 @@ impl Drawing for FaceFigure {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let top = draw_title(canvas, &self.title)? + 10.0;
         let (left, right, bottom) = (LEFT, canvas.width - BAR, canvas.height - BELOW);
-        // As long as wide.
+        // Both axes have the same scale.
         let [across, up] = self.surface.ends.map(|(low, high)| high - low);
         let size = ((right - left) / across).min((bottom - top) / up);
         let (left, top) = (0.5 * (left + right - size * across), 0.5 * (top + bottom - size * up));

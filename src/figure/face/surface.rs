@@ -1,36 +1,38 @@
-//! A face as a plane: values at points, read anywhere between them.
+//! Values at points of a face, interpolated to any position on the face.
 
 use crate::scene::Vec3;
 
-/// Values at points of a face, seen along the axis in which it is thinnest.
+/// Values at points of a face, projected along the axis in which the face has its smallest extent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// The axes of the figure, from left to right and upwards.
+    /// Axes of the figure: horizontal (to the right) and vertical (upwards).
     pub axes: [usize; 2],
-    /// Lowest and highest coordinates along them, with images, m.
+    /// Lowest and highest coordinate along each of the axes, including mirror images, m.
     pub ends: [(f64, f64); 2],
-    /// The circle about the hit in which values are interpolated, where there is one: its middle and its radius, m.
+    /// Centre and radius, m, of the circle about the impact point in which values are interpolated; `None` if there is
+    /// none.
     pub unread: Option<([f64; 2], f64)>,
-    /// Whether there are images beyond 0 along them.
+    /// Whether there are mirror images at negative coordinates, for each of the axes.
     mirrored: [bool; 2],
     kind: Kind,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
-    /// Values at the crossings of lines, the second axis' fastest.
+    /// Values on a grid of lines; the coordinate along the second axis varies fastest.
     Grid { lines: [Vec<f64>; 2], values: Vec<f64> },
-    /// Values at points, with a distance up to which each of them counts.
+    /// Position and value of each point, and the distance up to which its value applies.
     Scattered(Vec<([f64; 2], f64, f64)>),
 }
 
-/// Neighbours of a scattered point whose distances tell how far it counts, and the part of the last one's.
+/// Number of neighbours considered for a scattered point. Its value applies up to the fraction [`REACH`] of the
+/// distance to the last one.
 const NEIGHBOURS: usize = 4;
 const REACH: f64 = 0.8;
 
 impl Surface {
-    /// Of points with values, NaN where there is none; `hit` is the point about which some are left out, and `mirrored` says along which
-    /// axes there are images. `None` where no point has a value.
+    /// Makes a surface from `points` (m) and their values, NaN where unknown. Values near the impact point `hit` may be
+    /// unknown. `mirrored` tells along which axes there are mirror images. Returns `None` if all values are unknown.
     pub fn new(points: &[Vec3], values: &[f64], hit: Vec3, mirrored: [bool; 3]) -> Option<Self> {
         if values.iter().all(|value| value.is_nan()) {
             return None;
@@ -62,7 +64,7 @@ impl Surface {
         Some(Self { axes, ends, unread, mirrored, kind })
     }
 
-    /// The value at a place; `None` outside of the face.
+    /// Value at a position along the two axes, m; `None` outside the face.
     pub fn at(&self, place: [f64; 2]) -> Option<f64> {
         let image = [0, 1].map(|i| if self.mirrored[i] { place[i].abs() } else { place[i] });
         match &self.kind {
@@ -77,7 +79,8 @@ impl Surface {
     }
 }
 
-/// The lines on whose crossings all points lie, the second axis' fastest.
+/// Lines of the grid whose crossings are the points, if the second coordinate varies fastest; `None` if the points are
+/// not a grid.
 fn lines(places: &[[f64; 2]]) -> Option<[Vec<f64>; 2]> {
     let lines = [0, 1].map(|i| {
         let mut along: Vec<f64> = places.iter().map(|place| place[i]).collect();
@@ -100,7 +103,8 @@ fn distance(one: &[f64; 2], other: &[f64; 2]) -> f64 {
     (one[0] - other[0]).hypot(one[1] - other[1])
 }
 
-/// Values with those that are missing about the hit: along each radius linear from the hit's own to those around.
+/// Fills unknown values near the impact point: linear along each radius from the value at the impact point to a
+/// weighted mean of the surrounding values.
 fn filled(places: &[[f64; 2]], values: &[f64], hit: [f64; 2]) -> Vec<f64> {
     let known: Vec<(&[f64; 2], f64)> =
         places.iter().zip(values.iter().copied()).filter(|(_, value)| !value.is_nan()).collect();
@@ -123,7 +127,7 @@ fn filled(places: &[[f64; 2]], values: &[f64], hit: [f64; 2]) -> Vec<f64> {
     each.map(|(place, value)| if value.is_nan() { fill(place) } else { *value }).collect()
 }
 
-/// Points that have values, each with its reach.
+/// The points with known values, each with the distance up to which its value applies.
 fn scattered(places: &[[f64; 2]], values: &[f64]) -> Vec<([f64; 2], f64, f64)> {
     let known = || places.iter().zip(values).filter(|(_, value)| !value.is_nan());
     let reach = |place: &[f64; 2]| {
@@ -141,7 +145,7 @@ fn scattered(places: &[[f64; 2]], values: &[f64]) -> Vec<([f64; 2], f64, f64)> {
     known().map(|(place, value)| (*place, *value, reach(place))).collect()
 }
 
-/// The value between the lines.
+/// Bilinear interpolation between the lines of a grid; `None` outside the grid.
 fn bilinear(lines: &[Vec<f64>; 2], values: &[f64], place: [f64; 2]) -> Option<f64> {
     let mut cell = [(0, 0.0); 2];
     for i in 0..2 {
@@ -164,8 +168,9 @@ fn bilinear(lines: &[Vec<f64>; 2], values: &[f64], place: [f64; 2]) -> Option<f6
 mod tests {
     use super::*;
 
-    /// A quarter's grid with a hole about the hit: bilinear functions come out exactly where all is known, images as the modelled part, and
-    /// the hole's values lie between the hit's and those around.
+    /// The grid of a quarter model with unknown values around the impact point. Bilinear functions are reproduced
+    /// exactly where all values are known. Mirror images have the same values as the modelled part. The filled values
+    /// lie between the value at the impact point and the surrounding values.
     #[test]
     fn grids_are_read_between_their_lines() {
         let line = [0.0, 0.1, 0.25, 0.5, 1.0];
@@ -187,13 +192,13 @@ mod tests {
         let hole = surface.at([0.1, 0.1]).expect("within");
         assert!(hole < 3.0 && hole > exact(0.5, 0.5), "{hole}");
         assert_eq!(surface.at([1.2, 0.0]), None);
-        // The farthest crossing of lines that has no value.
+        // The radius reaches to the farthest grid point with an unknown value.
         let (middle, radius) = surface.unread.expect("a hole");
         assert!(middle == [0.0; 2] && (radius - 0.1 * 2.0_f64.sqrt()).abs() < 1e-15, "{radius}");
         assert_eq!(Surface::new(&points, &vec![f64::NAN; points.len()], [0.0; 3], [false; 3]), None);
     }
 
-    /// Scattered points: the nearest one's value, and nothing where none is near.
+    /// Scattered points: the value of the nearest point applies, and there is no value far from all points.
     #[test]
     fn scattered_points_count_as_far_as_they_lie_apart() {
         let ring = |n: usize| 0.4 * (n as f64);

@@ -1,4 +1,4 @@
-//! Values over steps, a row a scheme: heat maps side by side with a common scale.
+//! Draws heat maps of values over the time step, with one row for each scheme, side by side with a common colour scale.
 
 use crate::error::{Error, Result};
 use crate::figure::axis::exponential;
@@ -11,62 +11,63 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 use std::path::Path;
 
-/// Heat maps over the same rows and steps.
+/// Heat maps over the same rows and time steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Above all.
+    /// Title above the maps.
     pub title: String,
-    /// What each map shows, left to right.
+    /// Titles of the maps, from left to right.
     pub panels: Vec<String>,
-    /// The rows, downwards.
+    /// The rows, from top to bottom.
     pub rows: Vec<Row>,
-    /// Duration of a contact, s: the upper axis counts steps in it.
+    /// Duration of a contact, s. The upper axis shows the number of time steps in it.
     pub contact: f64,
-    /// Up to two steps marked through all rows, s, with what the legend says of each.
+    /// Up to two time steps, s, marked by vertical lines, with their texts in the legend.
     pub marks: Vec<(f64, String)>,
-    /// What the legend says of the dots.
+    /// Text of the dots in the legend.
     pub good: String,
 }
 
 /// A row of cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Its name.
+    /// Name of the row.
     pub label: String,
-    /// Below the name, in small letters.
+    /// Note below the name, in small letters.
     pub note: String,
-    /// Where a boundary is drawn, s; beyond the axis an arrow points to it. There is none at 0 and at infinity.
+    /// Time step of a limit, s, drawn as a line; an arrow is drawn if it is beyond the axis. 0 or infinity for no
+    /// limit.
     pub limit: f64,
-    /// Its cells, by ascending step.
+    /// Cells by ascending time step.
     pub cells: Vec<Cell>,
 }
 
 /// A cell of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// Δt, s.
+    /// Time step Δt, s.
     pub step: f64,
-    /// One value a panel.
+    /// One value for each map.
     pub values: Vec<Value>,
-    /// Whether it gets a dot.
+    /// Whether the cell gets a dot.
     pub is_good: bool,
 }
 
-/// What a cell shows.
+/// Content of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Value {
-    /// A number that is not negative.
+    /// A non-negative number.
     Number(f64),
-    /// None, since the solution grows without bound.
+    /// No number, because the solution grows without bound.
     Unbounded,
-    /// None for another reason.
+    /// No number for another reason.
     Missing,
 }
 
-/// Draws to `out`, an SVG or a PNG of 1600 × 1000 pixels by its extension.
+/// Draws to `out`, an SVG or a PNG of 1600 × 1000 pixels, depending on the extension.
 ///
 /// # Errors
-/// [`Error::Usage`] for another extension or a map without a cell; [`Error::Io`] when the file cannot be written.
+/// [`Error::Usage`] for another extension or without a cell; [`Error::Io`] if the file cannot be written.
 pub fn draw(map: &Map, out: &Path) -> Result<()> {
     if map.panels.is_empty() || map.rows.iter().all(|row| row.cells.is_empty()) {
         return Err(Error::Usage("a map without cells shows nothing".into()));
@@ -79,31 +80,31 @@ const SMALL: f64 = 21.0;
 const MARGIN: f64 = 26.0;
 const TOP: f64 = 172.0;
 const BOTTOM: f64 = 830.0;
-/// Between the panels.
+/// Distance between the maps, pixels.
 const GAP: f64 = 34.0;
-/// Of a row's height, what its cells take.
+/// Fraction of the height of a row that its cells fill.
 const FILL: f64 = 0.84;
-/// A cell reaches this far to each side, as a factor of its step, if none is nearer.
+/// Largest ratio between the time step of a cell and the ends of the cell; the ends are closer if a neighbour is near.
 const REACH: f64 = std::f64::consts::SQRT_2;
 
-/// Powers of ten that the scale goes from and to.
+/// Smallest and largest power of ten of the colour scale.
 const SCALE: (i32, i32) = (-6, 0);
 const UNBOUNDED: RGBColor = RGBColor(213, 94, 0);
 const INK: RGBColor = RGBColor(30, 30, 30);
 const PAPER: RGBColor = RGBColor(255, 255, 255);
 const LIMIT: Stroke = Stroke { colour: INK, width: 5.0, dashes: &[] };
 const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
-/// The marks, in their order.
+/// Strokes of the marks, in their order.
 const MARKS: [Stroke; 2] = [
     Stroke { colour: RGBColor(0, 120, 90), width: 3.0, dashes: &[4.0, 2.5] },
     Stroke { colour: RGBColor(150, 60, 120), width: 3.0, dashes: &[1.2, 1.6] },
 ];
 
-/// One panel's place: steps to pixels.
+/// Layout of one map, which converts time steps to pixels.
 struct Plot {
     left: f64,
     right: f64,
-    /// Natural logarithms of the steps at both ends.
+    /// Natural logarithms of the smallest and largest time step of the axis (s).
     range: (f64, f64),
 }
 
@@ -118,12 +119,12 @@ impl Plot {
     }
 }
 
-/// Whether a step, s, lies between two of which there are the natural logarithms.
+/// Whether a time step, s, lies within a range given by natural logarithms.
 fn is_within(step: f64, range: (f64, f64)) -> bool {
     (range.0..=range.1).contains(&step.ln())
 }
 
-/// On which side of the axis a limit lies.
+/// Position of a limit relative to the range of the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Side {
     Below,
@@ -131,12 +132,12 @@ enum Side {
     Above,
 }
 
-/// Length of a tick.
+/// Length of a tick, pixels.
 fn tick(is_labelled: bool) -> f64 {
     if is_labelled { 10.0 } else { 5.0 }
 }
 
-/// The title of an axis with its unit, where it has one.
+/// Title of an axis with its unit, if it has one.
 fn titled(title: &str, unit: &str) -> String {
     match unit.trim() {
         "" => title.to_owned(),
@@ -144,8 +145,9 @@ fn titled(title: &str, unit: &str) -> String {
     }
 }
 
-/// An arrow to a limit beyond the axis, from its tip; `inwards` is 1 where the axis lies right of the tip, −1 where it lies left. White below
-/// it, since it lies on cells of all colours.
+/// Draws an arrow with the given tip, which points to a limit beyond the axis. `inwards` is 1 if the axis lies to the
+/// right of the tip, −1 if it lies to the left. The arrow has a white outline, because the cells below it may have any
+/// colour.
 fn draw_arrow<DB: DrawingBackend>(canvas: &Canvas<DB>, tip: (f64, f64), inwards: f64) -> Drawn {
     for (colour, wider) in [(PAPER, 4.0), (INK, 0.0)] {
         let stroke = Stroke { colour, width: 4.0 + wider, dashes: &[] };
@@ -180,7 +182,7 @@ impl Drawing for Map {
 }
 
 impl Map {
-    /// Logarithms of the ends of all cells.
+    /// Natural logarithms of the range of the axis, which encloses all cells.
     fn range(&self) -> (f64, f64) {
         let steps = self.rows.iter().flat_map(|row| &row.cells).map(|cell| cell.step);
         let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
@@ -194,7 +196,7 @@ impl Map {
             let (top, bottom) = (middle - 0.5 * FILL * pitch, middle + 0.5 * FILL * pitch);
             for (m, cell) in row.cells.iter().enumerate() {
                 let (low, high) = row.extent(m);
-                // A white line between neighbours.
+                // A white line separates neighbouring cells.
                 let corners = ((plot.at(low) + 1.0, top), (plot.at(high) - 1.0, bottom));
                 let value = cell.values.get(panel).copied().unwrap_or(Value::Missing);
                 canvas.rectangle(corners.0, corners.1, value.colour())?;
@@ -224,7 +226,7 @@ impl Map {
         self.draw_axes(canvas, plot, &self.panels[panel])
     }
 
-    /// Frame, ticks and the titles: steps below, steps a contact above.
+    /// Draws the frame, the ticks and the titles: time step below, time steps per contact above.
     fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, title: &str) -> Drawn {
         let line = |from: (f64, f64), to: (f64, f64)| {
             canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], &FRAME)
@@ -244,7 +246,7 @@ impl Map {
                 canvas.text(&label, (x, BOTTOM + 28.0), LETTERS, Anchor::Centre)?;
             }
         }
-        // The more steps a contact, the shorter they are: from right to left.
+        // The number of time steps per contact increases from right to left.
         let counts = Scale::new(self.contact / high, self.contact / low, true);
         for (place, label) in counts.ticks() {
             let x = plot.right - place * (plot.right - plot.left);
@@ -259,7 +261,7 @@ impl Map {
         canvas.text(&titled("time step", &steps.unit("s")), (middle, BOTTOM + 60.0), SMALL, Anchor::Centre)
     }
 
-    /// The colours at the left, what is drawn over them at the right.
+    /// Draws the colour scale at the left, and the legend of lines, dots and special colours to its right.
     fn draw_legend<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let (y, height) = (HEIGHT - 62.0, 24.0);
         let (left, width) = (MARGIN + 24.0, 330.0);
@@ -309,7 +311,7 @@ impl Map {
 }
 
 impl Row {
-    /// Where its limit is drawn on an axis between two natural logarithms, if it has one.
+    /// Position of the limit relative to a range given by natural logarithms; `None` without a limit.
     fn side(&self, range: (f64, f64)) -> Option<Side> {
         let has_limit = self.limit > 0.0 && self.limit.is_finite();
         has_limit.then(|| match self.limit.ln() {
@@ -319,7 +321,8 @@ impl Row {
         })
     }
 
-    /// From where to where a cell reaches, s: half the way to its neighbours, if they are near.
+    /// Smallest and largest time step of a cell, s: half way (on the logarithmic axis) to its neighbours, at most a
+    /// factor of [`REACH`].
     fn extent(&self, cell: usize) -> (f64, f64) {
         let step = |n: usize| self.cells.get(n).map(|cell| cell.step);
         let here = self.cells[cell].step;
@@ -339,10 +342,10 @@ impl Value {
     }
 }
 
-/// Where a value lies on the scale, from 0 to 1.
+/// Relative position of a value on the colour scale, from 0 to 1.
 fn place(value: f64) -> f64 {
     let (low, high) = (f64::from(SCALE.0), f64::from(SCALE.1));
-    // Without a number it is as bad as can be.
+    // NaN is drawn as the worst value.
     let power = value.log10().min(high).max(low);
     if value.is_nan() { 1.0 } else { (power - low) / (high - low) }
 }

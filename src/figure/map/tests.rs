@@ -1,4 +1,4 @@
-//! Colours, limits and cells of the maps.
+//! Tests of the colours, limits and cells of heat maps.
 
 use super::*;
 
@@ -14,7 +14,7 @@ fn colours_darken_with_the_value_and_end_with_the_scale() {
     assert_eq!((light(f64::INFINITY), light(f64::NAN)), (shades[60], shades[60]));
 }
 
-/// A line where a limit lies within the axis, an arrow to it where it does not, neither where there is none.
+/// A limit within the axis is drawn as a line, a limit beyond it as an arrow, and no limit as neither.
 #[test]
 fn limits_are_drawn_where_they_are() {
     let cell = |step| Cell { step, values: vec![Value::Number(0.1)], is_good: true };
@@ -36,9 +36,9 @@ fn limits_are_drawn_where_they_are() {
         svg.matches(&format!("stroke-width=\"{width}\"")).count()
     };
     let (lines, arrows) = ("25", "20");
-    // With the one in the legend.
+    // Including the line in the legend.
     assert_eq!((thick(&[3e-5], lines), thick(&[3e-5], arrows)), (2, 0));
-    // Both strokes of an arrow.
+    // An arrow consists of two strokes.
     for limit in [1e-9, 1e-6, 1e-2] {
         assert_eq!((thick(&[limit], lines), thick(&[limit], arrows)), (0, 4), "{limit}");
     }

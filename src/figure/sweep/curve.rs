@@ -1,4 +1,4 @@
-//! Over one key: a quantity, and below it when the bodies touch.
+//! Draws a sweep over one key: a quantity, and below it the times of contact.
 
 use super::{Curve, Member, ascending};
 use crate::figure::axis::Axis;
@@ -15,13 +15,13 @@ const TITLE: f64 = 40.0;
 const TOP: f64 = 78.0;
 const MIDDLE: f64 = 500.0;
 const BOTTOM: f64 = HEIGHT - 116.0;
-/// Between the panels.
+/// Distance between the panels, pixels.
 const GAP: f64 = 34.0;
-/// Left of the panels, without the labels, and right of them.
+/// Space to the left of the panels without their labels, and below it the right edge of the panels, pixels.
 const LEFT: f64 = 94.0;
 const RIGHT: f64 = WIDTH - 226.0;
 const MARGIN: f64 = 38.0;
-/// Members that get a dot each.
+/// Largest number of members for which each member gets a dot.
 const DOTS: usize = 120;
 
 impl Drawing for Curve {
@@ -91,7 +91,7 @@ impl Curve {
 }
 
 impl Member {
-    /// A bar from start to end of each contact, as wide as the member's cell.
+    /// Draws a bar from the start to the end of each contact, with the width of the member's cell.
     fn draw_contacts<DB: DrawingBackend>(
         &self,
         canvas: &Canvas<DB>,
@@ -100,7 +100,8 @@ impl Member {
         forces: &Scale,
     ) -> Drawn {
         let [left, at, right] = [cell.0, self.value, cell.1].map(|x| frame.at_x(x));
-        // Space between wide bars, which hold their member's value; thin ones would vanish in it.
+        // Wide bars are separated by gaps and keep the value of their member inside; thin bars would disappear with
+        // gaps.
         let part = if right - left > 6.0 { 0.76 } else { 1.0 };
         let (left, right) = (at - part * (at - left), at + part * (right - at));
         for (start, end, force) in &self.contacts {
@@ -112,7 +113,8 @@ impl Member {
     }
 }
 
-/// The colour of a contact by the place of its force on the scale: the weakest is seen on white too.
+/// Colour of a contact for the relative position of its force on the scale. The weakest force is still visible on
+/// white.
 fn colour(place: f64) -> RGBColor {
     shade(0.15 + 0.85 * place.clamp(0.0, 1.0))
 }

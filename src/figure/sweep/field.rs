@@ -1,4 +1,4 @@
-//! Over two keys: a quantity as a heat map.
+//! Draws a sweep over two keys: a quantity as a heat map.
 
 use super::{Field, ascending};
 use crate::figure::bar::draw_bar;

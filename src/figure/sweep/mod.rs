@@ -1,4 +1,4 @@
-//! A sweep: curves over one key, a map over two.
+//! Draws the results of sweeps: a curve over one key, or a heat map over two keys.
 
 mod curve;
 mod field;
@@ -8,36 +8,36 @@ use super::scale::Scale;
 use crate::error::Result;
 use std::path::Path;
 
-/// A key and its unit.
+/// A varied key and its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Key {
-    /// What its axis is called.
+    /// Title of the axis.
     pub label: String,
-    /// Its unit; empty for a number without one.
+    /// Unit; empty for a dimensionless number.
     pub unit: String,
-    /// Whether its axis is logarithmic; then its values are positive.
+    /// Whether the axis is logarithmic; the values must then be positive.
     pub is_log: bool,
 }
 
-/// A number of each member, and its unit.
+/// A scalar result of each member, and its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
-    /// What its axis is called.
+    /// Title of the axis.
     pub label: String,
-    /// Its unit; empty for a number without one.
+    /// Unit; empty for a dimensionless number.
     pub unit: String,
-    /// What its values 0, 1, … are called; empty for numbers.
+    /// Names of the values 0, 1, …; empty for numbers.
     pub names: Vec<String>,
 }
 
 /// A sweep over one key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Above all.
+    /// Title above the figure.
     pub title: String,
-    /// What is varied.
+    /// The varied key.
     pub key: Key,
-    /// What is drawn over it.
+    /// The quantity on the vertical axis.
     pub quantity: Quantity,
     /// The members that are done, at least one.
     pub members: Vec<Member>,
@@ -46,53 +46,53 @@ pub struct Curve {
 /// A member of a sweep over one key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Member {
-    /// The key's value.
+    /// Value of the key.
     pub value: f64,
-    /// The quantity; NaN where the member has none.
+    /// Value of the quantity; NaN if the member has none.
     pub result: f64,
-    /// Start and end of each contact, s, and its peak force, N.
+    /// Start and end, s, and peak force, N, of each contact.
     pub contacts: Vec<(f64, f64, f64)>,
 }
 
 /// A sweep over two keys.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Above all.
+    /// Title above the figure.
     pub title: String,
-    /// What is varied along the horizontal and the vertical axis.
+    /// The varied keys, on the horizontal and on the vertical axis.
     pub keys: [Key; 2],
-    /// What is drawn over them.
+    /// The quantity shown by the colours.
     pub quantity: Quantity,
-    /// The keys' values and the quantity, which is NaN for members without one; one member at least has one.
+    /// Values of both keys, and value of the quantity (NaN if the member has none). At least one member has a value.
     pub members: Vec<([f64; 2], f64)>,
 }
 
-/// Draws a quantity, and below it when the bodies touch, to `out`: an SVG or a PNG of 1600 × 1000 pixels by its
-/// extension.
+/// Draws a quantity, and below it the times of contact, to `out`: an SVG or a PNG of 1600 × 1000 pixels, depending on
+/// the extension.
 ///
 /// # Errors
-/// [`Usage`](crate::Error::Usage) for another extension; [`Io`](crate::Error::Io) when the file cannot be written.
+/// [`Usage`](crate::Error::Usage) for another extension; [`Io`](crate::Error::Io) if the file cannot be written.
 pub fn draw_curve(curve: &Curve, out: &Path) -> Result<()> {
     save(curve, out)
 }
 
-/// Draws a quantity as a heat map, likewise.
+/// Draws a quantity as a heat map to `out`: an SVG or a PNG of 1600 × 1000 pixels, depending on the extension.
 ///
 /// # Errors
-/// As of [`draw_curve`].
+/// Same as [`draw_curve`].
 pub fn draw_field(field: &Field, out: &Path) -> Result<()> {
     save(field, out)
 }
 
 impl Key {
-    /// The title of its axis.
+    /// Title of the axis with the unit of its labels.
     fn title(&self, scale: &Scale) -> String {
         titled(&self.label, &scale.unit(&self.unit))
     }
 }
 
 impl Quantity {
-    /// The title of its axis, whose labels are in this unit.
+    /// Title of the axis with `unit`, the unit of its labels.
     fn title(&self, unit: &str) -> String {
         titled(&self.label, unit)
     }
@@ -105,7 +105,7 @@ fn titled(label: &str, unit: &str) -> String {
     }
 }
 
-/// The values in ascending order, each once.
+/// The different values in ascending order.
 fn ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
