@@ -7,7 +7,7 @@ use crate::session::Session;
 use crate::text::{from_c, option_name, to_c};
 
 /// The option that a session sets: MPI's and the program's own signal handlers stay in use.
-pub(crate) const OF_SESSION: &str = "-no_signal_handler";
+pub(crate) const SESSION_OPTION: &str = "-no_signal_handler";
 
 /// Whether an option (`name` with its leading dash) is set.
 ///
@@ -78,7 +78,7 @@ pub fn all(session: &Session) -> Result<String> {
         // SAFETY: as above.
         check(unsafe { free(raw.cast(), 0, c"all".as_ptr(), c"options.rs".as_ptr()) })?;
     }
-    Ok(value.split_whitespace().filter(|word| *word != OF_SESSION).collect::<Vec<_>>().join(" "))
+    Ok(value.split_whitespace().filter(|word| *word != SESSION_OPTION).collect::<Vec<_>>().join(" "))
 }
 
 /// Names of options that nothing has read so far. Most often they are misspelt.

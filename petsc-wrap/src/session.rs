@@ -101,7 +101,7 @@ impl Session {
         let library = sys::load().map_err(Error::NotLoaded)?;
         let program = std::env::args_os().next();
         let program = program.map_or_else(|| "program".to_owned(), |path| path.to_string_lossy().into_owned());
-        let words = [program, options::OF_SESSION.to_owned()];
+        let words = [program, options::SESSION_OPTION.to_owned()];
         let arguments: Vec<CString> = words.iter().chain(options).map(|word| to_c(word)).collect();
         let mut argv: Vec<*mut c_char> = arguments.iter().map(|word| word.as_ptr().cast_mut()).collect();
         let mut argc = c_int::try_from(argv.len()).map_err(|_| Error::TooLarge { number: argv.len() })?;

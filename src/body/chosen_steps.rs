@@ -19,7 +19,7 @@ impl Spectrum {
     /// Returns the ratio of the cutoff frequency of the modes to the frequency that the chosen time steps resolve. A
     /// mode that is replaced by a spring keeps its modulus for good. In a viscoelastic body, therefore, only modes too
     /// fast for any time step are replaced.
-    pub fn faster(&self) -> f64 {
+    pub fn cutoff_ratio(&self) -> f64 {
         if self.relaxes { FASTER } else { 1.0 }
     }
 

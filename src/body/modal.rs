@@ -83,10 +83,10 @@ impl ModalBody {
     }
 
     /// Ratio of the cutoff frequency of the modes to the frequency that chosen time steps resolve.
-    pub fn faster(&self) -> f64 {
+    pub fn cutoff_ratio(&self) -> f64 {
         match &self.source {
             Source::Given(_) => 1.0,
-            Source::Spectrum(spectrum) => spectrum.faster(),
+            Source::Spectrum(spectrum) => spectrum.cutoff_ratio(),
         }
     }
 

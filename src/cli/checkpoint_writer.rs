@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::impact::checkpoint::{Checkpoint, Visitor};
 use crate::impact::step::Step;
 use crate::model::Simulation;
-use crate::record::checkpoint::Kept;
+use crate::record::checkpoint::StoredCheckpoint;
 use crate::record::episodes::Episodes;
 use crate::record::series::SeriesWriter;
 use crate::scene::{Scene, Vec3};
@@ -101,7 +101,7 @@ impl CheckpointWriter {
         numbers.append(&mut of_record.numbers);
         (all.numbers, all.lists) = (numbers, of_record.lists);
         let begin = Instant::now();
-        let kept = Kept {
+        let kept = StoredCheckpoint {
             scene: self.scene.clone(),
             run_id: writer.run_id(),
             time: summary.end(),

@@ -8,7 +8,7 @@ use crate::agree::agree;
 use crate::error::{Error, Result};
 use crate::impact::checkpoint::{Checkpoint, Visitor};
 use crate::model::Simulation;
-use crate::record::checkpoint::{Kept, beside};
+use crate::record::checkpoint::{StoredCheckpoint, beside};
 use crate::record::episodes::Episodes;
 use crate::record::provenance::Provenance;
 use crate::record::read;
@@ -36,7 +36,7 @@ pub enum RestartState {
 /// Origin of a run, and its checkpoint.
 pub struct Moment {
     origin: Provenance,
-    kept: Kept,
+    kept: StoredCheckpoint,
 }
 
 impl RestartState {
@@ -65,9 +65,9 @@ impl RestartState {
 }
 
 /// Origin of a result, whether it is complete, and its checkpoint if it is not.
-fn there(result: &Path) -> Result<(Provenance, bool, Option<Kept>)> {
+fn there(result: &Path) -> Result<(Provenance, bool, Option<StoredCheckpoint>)> {
     let (origin, _, complete) = read::origin(result)?;
-    let kept = if complete { None } else { Kept::read(result)? };
+    let kept = if complete { None } else { StoredCheckpoint::read(result)? };
     if kept.as_ref().is_some_and(|kept| kept.run_id != origin.run_id) {
         return Err(Error::io(&beside(result), format!("is of another run than {}", result.display())));
     }
@@ -125,7 +125,7 @@ fn check_begun(origin: &Provenance, result: &Path, (scene, text): (&Scene, &str)
 /// The scene of a checkpoint must be the same, except for the end and parts of the output.
 fn check_scene(
     origin: &Provenance,
-    kept: &Kept,
+    kept: &StoredCheckpoint,
     result: &Path,
     (scene, text): (&Scene, &str),
 ) -> std::result::Result<(), String> {

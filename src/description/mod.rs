@@ -18,7 +18,7 @@ use crate::scene::{Scene, SupportKind, Vec3};
 /// (the radius of a ball), k is per area. A rigid disc of radius r on a half-space has the compliance (1 − ν²)/(2 E r),
 /// the springs have 1/(k π r²). With this factor and w = r, the springs have less than 1e-4 of the compliance of the
 /// half-space; with w = 2r, less than 2e-4.
-const STIFF_AS_A_CLAMP: f64 = 1e4;
+const CLAMP_STIFFNESS_FACTOR: f64 = 1e4;
 
 /// Content of a scene about the body, except for its geometry.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,7 +124,8 @@ impl Description {
                     // The boundary of a part of a surface cuts cells, and an unknown of a cut cell cannot be
                     // constrained on a part of the cell only.
                     Some(within) => {
-                        let stiff = STIFF_AS_A_CLAMP * body.stiffest() / within.width(&body.geometry, &support.surface);
+                        let stiff =
+                            CLAMP_STIFFNESS_FACTOR * body.stiffest() / within.width(&body.geometry, &support.surface);
                         let stiffness = components.map(|held| if held { stiff } else { 0.0 });
                         description.springs.push(Spring { region, stiffness, displacement });
                     }

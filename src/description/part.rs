@@ -64,7 +64,7 @@ pub(super) fn parts(scene: &Scene) -> Vec<Part> {
 
 /// Highest relevant angular frequency of the strain, times contact time over π. At this frequency the spectrum of a
 /// half sine (the contact force) has fallen to 1% of its value at zero.
-const FASTEST: f64 = 10.0;
+const STRAIN_FREQUENCY_FACTOR: f64 = 10.0;
 
 /// Share of the scene's tolerance for the error from the omitted relaxation terms.
 const UNFOLLOWED_SHARE: f64 = 0.1;
@@ -73,7 +73,7 @@ const UNFOLLOWED_SHARE: f64 = 0.1;
 fn window(scene: &Scene) -> Window {
     Window {
         end: scene.time.end,
-        frequency: FASTEST * PI / scene.impactor.contact_time(),
+        frequency: STRAIN_FREQUENCY_FACTOR * PI / scene.impactor.contact_time(),
         tolerance: UNFOLLOWED_SHARE * scene.tolerance,
     }
 }

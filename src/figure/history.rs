@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, Sheet};
 use super::legend::{Entry, LETTERS, LINE, MARGIN, draw_legend, draw_title};
 use super::output::{inline, save};
-use super::stroke::{LIMIT, LOOKS, Stroke, stroke, thinned};
+use super::stroke::{LIMIT, MAX_STROKES, Stroke, stroke, thinned};
 use crate::error::{Error, Result};
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
@@ -68,8 +68,8 @@ pub fn draw_inline(history: &History, sheet: Sheet, name: &str) -> Result<String
 
 fn check(history: &History) -> Result<()> {
     match history.curves().count() {
-        1..=LOOKS => Ok(()),
-        count => Err(Error::Usage(format!("a figure shows 1 to {LOOKS} curves, not {count}"))),
+        1..=MAX_STROKES => Ok(()),
+        count => Err(Error::Usage(format!("a figure shows 1 to {MAX_STROKES} curves, not {count}"))),
     }
 }
 

@@ -4,7 +4,7 @@ use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use super::frame::{Frame, LETTERS, SMALL, line};
 use super::output::save;
 use super::scale::Scale;
-use super::stroke::{COLOURS, LOOKS, Stroke, stroke};
+use super::stroke::{COLOURS, MAX_STROKES, Stroke, stroke};
 use crate::error::{Error, Result};
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
@@ -51,8 +51,8 @@ pub struct Setting {
 /// [`Error::Io`] if the file cannot be written.
 pub fn draw(chart: &Precision, out: &Path) -> Result<()> {
     let count = chart.methods.len();
-    if count > LOOKS || chart.settings().next().is_none() {
-        return Err(Error::Usage(format!("a chart shows 1 to {LOOKS} methods, not {count}")));
+    if count > MAX_STROKES || chart.settings().next().is_none() {
+        return Err(Error::Usage(format!("a chart shows 1 to {MAX_STROKES} methods, not {count}")));
     }
     save(chart, out)
 }

@@ -25,7 +25,7 @@ const DASHES: [&[f64]; 4] = [&[], &[6.0, 2.5], &[1.2, 2.2], &[6.0, 2.0, 1.2, 2.0
 const CURVES_BY_COLOUR: usize = 5;
 
 /// Largest number of curves with different strokes.
-pub(super) const LOOKS: usize = COLOURS.len() * DASHES.len();
+pub(super) const MAX_STROKES: usize = COLOURS.len() * DASHES.len();
 
 /// Stroke of a curve. `width` is in pixels of the figure.
 pub(super) struct Stroke {
@@ -127,14 +127,14 @@ mod tests {
 
     #[test]
     fn every_look_is_its_own() {
-        let looks: std::collections::HashSet<_> = (0..LOOKS)
+        let looks: std::collections::HashSet<_> = (0..MAX_STROKES)
             .map(|n| {
-                let s = stroke(n, LOOKS);
+                let s = stroke(n, MAX_STROKES);
                 let RGBColor(r, g, b) = s.colour;
                 (r, g, b, s.dashes.len(), s.dashes.first().map(|d| d.to_bits()))
             })
             .collect();
-        assert_eq!(looks.len(), LOOKS);
+        assert_eq!(looks.len(), MAX_STROKES);
     }
 
     #[test]

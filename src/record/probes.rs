@@ -11,7 +11,7 @@ use crate::scene::Vec3;
 /// Name, unit and value of one quantity of a probe.
 type Column = (&'static str, &'static str, fn(&Probe) -> Vec3);
 
-/// Quantities of a probe, in the order of [`PUT`] and [`Whole`].
+/// Quantities of a probe, in the order of [`FIELDS_OF_PROBE`] and [`ProbeHistory`].
 const COLUMNS: [Column; 3] = [
     ("displacement", "m", |probe| probe.displacement),
     ("velocity", "m/s", |probe| probe.velocity),
@@ -22,7 +22,7 @@ const COLUMNS: [Column; 3] = [
 pub(super) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<Probe>>> {
     let mut all = vec![vec![Probe::default(); names.len()]; rows];
     for (number, name) in names.iter().enumerate() {
-        for (column, put) in COLUMNS.iter().zip(PUT) {
+        for (column, put) in COLUMNS.iter().zip(FIELDS_OF_PROBE) {
             let dataset = format!("series/probe/{name}/{}", column.0);
             let values = file.dataset(&dataset)?.read_raw::<f64>()?;
             if values.len() < 3 * rows {
@@ -37,15 +37,15 @@ pub(super) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Re
 }
 
 /// All rows of a probe: displacement, velocity and principal stress, three numbers in each row.
-pub(super) type Whole = [Vec<f64>; 3];
+pub(super) type ProbeHistory = [Vec<f64>; 3];
 
 /// Appends the values of a probe at one step.
-pub(super) fn push(whole: &mut Whole, probe: &Probe) {
+pub(super) fn push(whole: &mut ProbeHistory, probe: &Probe) {
     whole.iter_mut().zip(COLUMNS).for_each(|(values, (_, _, value))| values.extend(value(probe)));
 }
 
 /// Writes all rows of a probe into the group `parent`.
-pub(super) fn write(file: &hdf5::File, parent: &str, name: &str, whole: &Whole) -> hdf5::Result<()> {
+pub(super) fn write(file: &hdf5::File, parent: &str, name: &str, whole: &ProbeHistory) -> hdf5::Result<()> {
     for (values, (column, units, _)) in whole.iter().zip(COLUMNS) {
         let rows = ArrayView2::from_shape((values.len() / 3, 3), values).map_err(|error| error.to_string())?;
         let path = format!("{parent}/probe/{name}/{column}");
@@ -56,14 +56,14 @@ pub(super) fn write(file: &hdf5::File, parent: &str, name: &str, whole: &Whole) 
 }
 
 /// Reads all rows of a probe from the group `parent`.
-pub(super) fn read(file: &hdf5::File, parent: &str, name: &str) -> hdf5::Result<Whole> {
+pub(super) fn read(file: &hdf5::File, parent: &str, name: &str) -> hdf5::Result<ProbeHistory> {
     let column = |of: &str| file.dataset(&format!("{parent}/probe/{name}/{of}"))?.read_raw::<f64>();
     let [displacement, velocity, stress] = COLUMNS.map(|(of, ..)| column(of));
     Ok([displacement?, velocity?, stress?])
 }
 
 /// Field of [`Probe`] that receives each of [`COLUMNS`].
-const PUT: [fn(&mut Probe) -> &mut Vec3; 3] =
+const FIELDS_OF_PROBE: [fn(&mut Probe) -> &mut Vec3; 3] =
     [|probe| &mut probe.displacement, |probe| &mut probe.velocity, |probe| &mut probe.principal_stress];
 
 /// Datasets of all probes, in the order of the scene.

@@ -9,7 +9,7 @@ use super::number::{ENERGY, SMALLEST_PERCENT, Unit, digits, percent, unit_for, w
 use super::page::{Column, Part, Section, Table};
 
 /// Energies whose maximum is below this fraction of the largest energy are not drawn.
-const SEEN: f64 = 1e-3;
+const SMALLEST_DRAWN_FRACTION: f64 = 1e-3;
 
 /// An imbalance below this fraction of the initial energy is regarded as rounding.
 const ROUNDING: f64 = 1e-9;
@@ -39,7 +39,7 @@ pub fn section(data: &Data) -> Result<Section> {
         .collect();
     let size = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let largest = named.iter().map(|(_, values)| size(values)).fold(0.0, f64::max);
-    let curves = named.iter().filter(|(_, values)| size(values) > SEEN * largest);
+    let curves = named.iter().filter(|(_, values)| size(values) > SMALLEST_DRAWN_FRACTION * largest);
     let figure = Curves {
         quantity: "energy",
         units: ENERGY,

@@ -15,7 +15,7 @@ const NARROW: Sheet = Sheet { width: 700, height: 600 };
 /// Height of a line of the legend.
 const LEGEND_LINE: u32 = 40;
 /// Approximate number of names in a line of the legend, for wide and narrow figures.
-const BESIDE: [u32; 2] = [4, 1];
+const NAMES_PER_LEGEND_LINE: [u32; 2] = [4, 1];
 
 /// Data of a figure with curves over time.
 pub struct Curves<'a> {
@@ -74,7 +74,8 @@ impl Curves<'_> {
             let height = sheet.height + LEGEND_LINE * names.div_ceil(beside);
             draw_inline(&history, Sheet { height, ..sheet }, &name)
         };
-        let [wide, narrow] = [(WIDE, BESIDE[0]), (NARROW, BESIDE[1])].map(|(sheet, beside)| draw(sheet, beside));
+        let [wide, narrow] = [(WIDE, NAMES_PER_LEGEND_LINE[0]), (NARROW, NAMES_PER_LEGEND_LINE[1])]
+            .map(|(sheet, beside)| draw(sheet, beside));
         Ok(Figure { wide: wide?, narrow: narrow?, caption: self.caption })
     }
 }

@@ -9,7 +9,7 @@ use crate::Int;
 use crate::error::Result;
 use crate::plex::Plex;
 
-use super::walk::Walk;
+use super::walk::GmshReader;
 
 /// A facet whose vertices are all on this rank.
 struct Facet {
@@ -30,7 +30,11 @@ pub(super) struct Facets {
 impl Facets {
     /// Reads the elements of the file once more. `vertices` are the numbers of this rank's vertices, ascending; `first`
     /// is the mesh point of the first one.
-    pub fn read<R: Read + Seek>(walk: &mut Walk<R>, vertices: &[Int], first: Int) -> std::result::Result<Self, String> {
+    pub fn read<R: Read + Seek>(
+        walk: &mut GmshReader<R>,
+        vertices: &[Int],
+        first: Int,
+    ) -> std::result::Result<Self, String> {
         let mut facets = Self { listed: Vec::new(), total: 0 };
         walk.elements(|element| {
             if element.dimension != 2 {

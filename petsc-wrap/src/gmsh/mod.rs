@@ -19,7 +19,7 @@ use crate::plex::{CellType, LabelledPoint, Plex};
 
 use facets::Facets;
 use share::{Cells, Share};
-use walk::Walk;
+use walk::GmshReader;
 
 /// A mesh from a Gmsh file.
 pub struct GmshMesh {
@@ -64,7 +64,7 @@ impl Plex {
         let refused = |message: String| Error::MeshFile { path: path.to_owned(), message };
         let (ranks, rank) = (comm.size(), comm.rank());
         let file = File::open(path).map_err(|error| format!("cannot be read: {error}"));
-        let read = file.and_then(|file| Walk::begin(file, comm.is_root())).and_then(|mut walk| {
+        let read = file.and_then(|file| GmshReader::begin(file, comm.is_root())).and_then(|mut walk| {
             let share = Share::take(&mut walk, ranks, rank)?;
             Ok((walk, share))
         });
@@ -85,7 +85,7 @@ impl Plex {
     }
 
     /// Labels cells and faces by their physical groups. `cells` are the cells of the mesh, in its order. Collective.
-    fn label_groups(&self, walk: &mut Walk<File>, cells: Cells) -> std::result::Result<(), String> {
+    fn label_groups(&self, walk: &mut GmshReader<File>, cells: Cells) -> std::result::Result<(), String> {
         let Cells { mut vertices, regions } = cells;
         vertices.sort_unstable();
         vertices.dedup();

@@ -7,7 +7,7 @@ use std::ops::Range;
 use crate::Int;
 use crate::plex::CellType;
 
-use super::walk::Walk;
+use super::walk::GmshReader;
 
 /// The range of `total` consecutive items that belongs to one rank.
 fn share(total: usize, ranks: usize, rank: usize) -> Range<usize> {
@@ -41,7 +41,7 @@ pub(super) struct Cells {
 
 impl Share {
     /// Reads the nodes and then the elements.
-    pub fn take<R: Read + Seek>(walk: &mut Walk<R>, ranks: usize, rank: usize) -> Result<Self, String> {
+    pub fn take<R: Read + Seek>(walk: &mut GmshReader<R>, ranks: usize, rank: usize) -> Result<Self, String> {
         let mut taken = Self::default();
         let mut own_nodes = None;
         walk.nodes(|total, index, place| {

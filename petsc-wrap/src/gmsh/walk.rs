@@ -11,15 +11,15 @@ use crate::Int;
 
 use super::PhysicalGroup;
 use super::nodes::Nodes;
-use super::words::{Place, Words};
+use super::words::{Place, Tokenizer};
 
 /// Largest number of physical groups of an entity and of tags of an element; below: most bytes of a physical name.
 const TAGS: usize = 16;
 const NAME: usize = 127;
 
 /// A position in a file, and what has been read before it.
-pub(super) struct Walk<R> {
-    pub words: Words<R>,
+pub(super) struct GmshReader<R> {
+    pub words: Tokenizer<R>,
     /// Whether the format is 4.1.
     is_modern: bool,
     /// The named groups of faces and of cells.
@@ -41,15 +41,15 @@ pub(super) struct Element<'a> {
     pub dimension: usize,
     /// Indices of its nodes.
     pub corners: &'a [u32],
-    /// Its geometric entity (4.1), or its physical group (2.2). [`Walk::groups`] returns the groups of a region.
+    /// Its geometric entity (4.1), or its physical group (2.2). [`GmshReader::groups`] returns the groups of a region.
     pub region: i32,
 }
 
-impl<R: Read + Seek> Walk<R> {
+impl<R: Read + Seek> GmshReader<R> {
     /// Reads up to the nodes. `is_judge`: whether this rank finds out how the elements use the nodes.
     pub fn begin(source: R, is_judge: bool) -> Result<Self, String> {
         let mut walk = Self {
-            words: Words::new(source)?,
+            words: Tokenizer::new(source)?,
             is_modern: false,
             named: Default::default(),
             nodes: Nodes::new(is_judge),
@@ -276,7 +276,7 @@ impl<R: Read + Seek> Walk<R> {
                         region = group;
                     }
                 }
-                let next = |words: &mut Words<R>| Ok(words.int()?.try_into().unwrap_or(usize::MAX));
+                let next = |words: &mut Tokenizer<R>| Ok(words.int()?.try_into().unwrap_or(usize::MAX));
                 let element = Element { total, number, dimension, corners: &[], region };
                 self.element(element, corners, next, &mut visit)?;
             }
@@ -302,7 +302,7 @@ impl<R: Read + Seek> Walk<R> {
             for number in first..sum {
                 self.words.size()?;
                 let element = Element { total, number, dimension, corners: &[], region };
-                self.element(element, corners, Words::size, &mut visit)?;
+                self.element(element, corners, Tokenizer::size, &mut visit)?;
             }
         }
         self.check_sum(sum, total, true)
@@ -329,7 +329,7 @@ impl<R: Read + Seek> Walk<R> {
         &mut self,
         known: Element,
         count: usize,
-        next: impl Fn(&mut Words<R>) -> Result<usize, String>,
+        next: impl Fn(&mut Tokenizer<R>) -> Result<usize, String>,
         visit: &mut impl FnMut(&Element) -> Result<(), String>,
     ) -> Result<(), String> {
         let mut corners = [0; 8];

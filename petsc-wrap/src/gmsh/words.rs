@@ -13,7 +13,7 @@ const PIECE: usize = 1 << 18;
 const CUT_OFF: &str = "the file ends too early: it is cut off";
 
 /// A position in a file. Error messages begin with the line number, or with the byte position in a binary file.
-pub(super) struct Words<R> {
+pub(super) struct Tokenizer<R> {
     source: R,
     piece: Vec<u8>,
     /// Number of bytes of the piece that are filled.
@@ -35,7 +35,7 @@ pub(super) struct Place {
     lines: usize,
 }
 
-impl<R: Read + Seek> Words<R> {
+impl<R: Read + Seek> Tokenizer<R> {
     /// Starts at the beginning of a readable file.
     pub fn new(source: R) -> Result<Self, String> {
         let (piece, hasher) = (vec![0; PIECE], DefaultHasher::new());
@@ -202,7 +202,7 @@ fn unreadable(error: std::io::Error) -> String {
 mod tests {
     use std::io::{Cursor, Read, Seek, SeekFrom};
 
-    use super::{PIECE, Words};
+    use super::{PIECE, Tokenizer};
 
     /// A source that delivers one byte at a time.
     struct Slow(Cursor<Vec<u8>>);
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn words_are_whole_across_pieces() {
         let lines: Vec<String> = (0..PIECE / 5).map(|i| format!("{i}  {}.5\n", i * i)).collect();
-        let mut words = Words::new(Slow(Cursor::new(lines.concat().into_bytes()))).unwrap();
+        let mut words = Tokenizer::new(Slow(Cursor::new(lines.concat().into_bytes()))).unwrap();
         let mut middle = words.here();
         for i in 0..lines.len() {
             if i == lines.len() / 2 {
@@ -246,10 +246,10 @@ mod tests {
     #[test]
     fn what_is_longer_than_any_word_is_refused() {
         let long = vec![b'a'; 3 * PIECE];
-        let mut words = Words::new(Cursor::new(long.clone())).unwrap();
+        let mut words = Tokenizer::new(Cursor::new(long.clone())).unwrap();
         assert!(words.word().unwrap_err().contains("no text of a Gmsh file"));
-        assert!(Words::new(Cursor::new(long)).unwrap().line().is_err());
-        let mut blank = Words::new(Cursor::new([vec![b' '; 2 * PIECE], b"end".to_vec()].concat())).unwrap();
+        assert!(Tokenizer::new(Cursor::new(long)).unwrap().line().is_err());
+        let mut blank = Tokenizer::new(Cursor::new([vec![b' '; 2 * PIECE], b"end".to_vec()].concat())).unwrap();
         assert_eq!(blank.word().as_deref(), Ok("end"));
     }
 }

@@ -270,7 +270,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let body: &ModalBody = self.body.borrow();
         let resolved = LARGEST_PHASE_PER_STEP / steps.largest;
         match steps.defect {
-            Some(_) => body.modes_of_chosen_steps(body.faster() * resolved, &closed),
+            Some(_) => body.modes_of_chosen_steps(body.cutoff_ratio() * resolved, &closed),
             None => body.modes(resolved, &closed),
         }
     }

@@ -24,7 +24,7 @@ use crate::scene::Vec3;
 use nodes::Nodes;
 
 /// Content of a checkpoint: the state of a run, its scene, and the nodes of its vectors.
-pub struct Kept {
+pub struct StoredCheckpoint {
     /// Full text of the scene.
     pub scene: String,
     /// `run_id` of the result of the run.
@@ -65,7 +65,7 @@ pub fn check_writable(result: &Path) -> Result<()> {
     Ok(())
 }
 
-impl Kept {
+impl StoredCheckpoint {
     /// Writes the checkpoint of the result `result`, which replaces the last one.
     ///
     /// # Errors

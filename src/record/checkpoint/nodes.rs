@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::scene::Vec3;
 
 /// Tolerance of node positions divided by the diagonal of the box around all nodes: closer positions are the same node.
-const SAME: f64 = 1e-9;
+const POSITION_TOLERANCE: f64 = 1e-9;
 
 /// Hash table of nodes by position.
 pub struct Nodes<'a> {
@@ -24,7 +24,7 @@ impl<'a> Nodes<'a> {
         };
         let diagonal = (0..3).map(|axis| across(axis).powi(2)).sum::<f64>().sqrt();
         // Cells are much larger than the tolerance, so that for most positions only one cell must be searched.
-        let size = if diagonal > 0.0 { 1e3 * SAME * diagonal } else { 1.0 };
+        let size = if diagonal > 0.0 { 1e3 * POSITION_TOLERANCE * diagonal } else { 1.0 };
         let mut by_cell: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
         for (number, x) in nodes.iter().enumerate() {
             by_cell.entry(cell(*x, size)).or_default().push(number);

@@ -6,7 +6,7 @@ use crate::record::columns::SERIES;
 use serde::{Deserialize, Serialize};
 
 use crate::record::episodes::{Episode, Episodes};
-use crate::record::probes::{self, Whole};
+use crate::record::probes::{self, ProbeHistory};
 use crate::record::stress::LargestTension;
 
 /// Status of a member.
@@ -118,7 +118,7 @@ pub struct Member {
     /// Series, one list for each dataset of `/series` of a run; `None` if they are not stored.
     pub series: Option<Vec<Vec<f64>>>,
     /// Values of the probes in the rows of the series, in the order of the scene.
-    pub probes: Vec<Whole>,
+    pub probes: Vec<ProbeHistory>,
 }
 
 impl Member {
@@ -157,7 +157,7 @@ impl Member {
         self.set(Quantity::ReboundSpeed, step.impactor.velocity);
         if let Some(series) = self.series.as_mut().filter(|_| step.number.is_multiple_of(every)) {
             series.iter_mut().zip(&SERIES).for_each(|(values, column)| values.push((column.value)(step)));
-            self.probes.resize(read.len(), Whole::default());
+            self.probes.resize(read.len(), ProbeHistory::default());
             self.probes.iter_mut().zip(read).for_each(|(whole, probe)| probes::push(whole, probe));
         }
     }
