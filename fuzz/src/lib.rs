@@ -12,7 +12,7 @@ use ricochet::impact::step::Step;
 use ricochet::impact::{Observer, Reading};
 use ricochet::mesh::Mesh;
 use ricochet::model::{Model, Simulation};
-use ricochet::record::checkpoint::{Kept, beside};
+use ricochet::record::checkpoint::{StoredCheckpoint, beside};
 use ricochet::record::episodes::Episodes;
 use ricochet::scene::{Geometry, Scene};
 use ricochet::space::evaluate::TensionMap;
@@ -73,7 +73,7 @@ pub fn checkpoint(data: &[u8]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let result = folder.path().join("out.h5");
     fs::write(beside(&result), data).expect("a file in it");
-    let _ = Kept::read(&result);
+    let _ = StoredCheckpoint::read(&result);
     // The checksum rejects every file that this program has not written. Therefore the contents are changed before they
     // are written.
     let mut data = Bytes(data);
@@ -88,13 +88,13 @@ pub fn checkpoint(data: &[u8]) {
         assert!(impact.run_watched(&mut keeper).expect("it runs").is_continue());
         let nodes = impact.nodes().expect("a mesh").to_vec();
         let mut kept =
-            Kept { scene: SCENE.to_owned(), run_id: 1, time: 1e-4, nodes: nodes.clone(), checkpoint: keeper.1 };
+            StoredCheckpoint { scene: SCENE.to_owned(), run_id: 1, time: 1e-4, nodes: nodes.clone(), checkpoint: keeper.1 };
         let is_good = data.0.is_empty();
         for _ in 0..32 {
             change(&mut kept, &mut data);
         }
-        let written = kept.write(&result).and_then(|()| Kept::read(&result));
-        let resume = |kept: Kept| {
+        let written = kept.write(&result).and_then(|()| StoredCheckpoint::read(&result));
+        let resume = |kept: StoredCheckpoint| {
             let carried = known(1.0).visit(&mut Visitor::restore(&kept.checkpoint));
             let part = kept.at(Some(&nodes)).map_err(ricochet::Error::Output);
             carried.and(part.and_then(|part| simulation(&comm)?.resume(&part)))
@@ -154,7 +154,7 @@ impl Bytes<'_> {
 }
 
 /// Changes a name, a number, a length or a node of a checkpoint; nothing at the end of the input.
-fn change(kept: &mut Kept, data: &mut Bytes) {
+fn change(kept: &mut StoredCheckpoint, data: &mut Bytes) {
     if data.0.is_empty() {
         return;
     }
