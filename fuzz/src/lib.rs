@@ -87,8 +87,13 @@ pub fn checkpoint(data: &[u8]) {
         let mut keeper = Keeper(known(scene.impactor.mass), Checkpoint::default());
         assert!(impact.run_watched(&mut keeper).expect("it runs").is_continue());
         let nodes = impact.nodes().expect("a mesh").to_vec();
-        let mut kept =
-            StoredCheckpoint { scene: SCENE.to_owned(), run_id: 1, time: 1e-4, nodes: nodes.clone(), checkpoint: keeper.1 };
+        let mut kept = StoredCheckpoint {
+            scene: SCENE.to_owned(),
+            run_id: 1,
+            time: 1e-4,
+            nodes: nodes.clone(),
+            checkpoint: keeper.1,
+        };
         let is_good = data.0.is_empty();
         for _ in 0..32 {
             change(&mut kept, &mut data);

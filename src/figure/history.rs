@@ -134,7 +134,8 @@ impl History {
             x = (x.0.min(t), x.1.max(t));
             y = (y.0.min(value), y.1.max(value));
         }
-        // Values beyond zero by less than 1e-3 of the range come from rounding; the axis is not extended for them.
+        // An extreme value below 1e-3 of the opposite one (less than a pixel) is due to rounding. The axis is not
+        // extended for it.
         let seen = |own: f64, other: f64| if own.abs() < 1e-3 * other.abs() { 0.0 } else { own };
         let y = (seen(y.0, y.1), seen(y.1, y.0));
         // Leaves a margin of 2% above the highest peak and below the lowest.

@@ -67,12 +67,12 @@ pub(super) fn layered(
             Err(reason) if over * tolerance <= LARGEST_ERROR_INSTEAD_OF_MESH => {
                 left.tolerance = tolerance;
                 passed.push(format!(
-                    "{judged}, above {share:.1e}, the theory's part of the tolerance, and yet taken: splines do not stand for its solid ({reason}), and a mesh has no stresses on faces between layers"
+                    "{judged}, above {share:.1e}, the theory's share of the tolerance, but used: splines cannot model its solid ({reason}), and a mesh has no stresses on faces between layers"
                 ));
             }
             _ => {
                 passed.push(format!(
-                    "{judged}, above {share:.1e}, the theory's part of the tolerance, so the solid is taken"
+                    "{judged}, above {share:.1e}, the theory's share of the tolerance, so the solid is used"
                 ));
                 return Ok(None);
             }

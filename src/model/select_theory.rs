@@ -67,27 +67,27 @@ pub(super) fn select_theory(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Re
     let least = if is_layered { Theory::Layerwise } else { Theory::Kirchhoff };
     let plates = slender(scene).and_then(|()| admits(scene, least)).and_then(|()| check_uncompressed(scene));
     match plates {
-        Err(reason) => passed.push(format!("no plate theory stands for it: {reason}")),
+        Err(reason) => passed.push(format!("no plate theory applies: {reason}")),
         Ok(()) if !scene.time.modal && scene.solver.newton == Newton::Full => {
-            passed.push("the full Newton's method is asked for, which is the solid's".to_owned());
+            passed.push("solver.newton = \"full\" is for solids only".to_owned());
         }
         Ok(()) if !scene.time.modal && matches!(scene.time.scheme, Scheme::CentralDifference { .. }) => {
-            passed.push("the explicit scheme is asked for, and the solid alone has a lumped mass".to_owned());
+            passed.push("the explicit scheme needs a lumped mass, which only the solid has".to_owned());
         }
         Ok(()) if scene.supports.iter().any(is_held_away) => {
             passed.push(
-                "it is held at a displacement, and has no modal coordinates in which plates are compared".to_owned(),
+                "a clamp has a displacement, and such a body has no modal coordinates in which plates could be compared".to_owned(),
             );
         }
         Ok(()) if matches!(scene.body.geometry, Geometry::Box { is_given: true, .. }) => {
-            passed.push("cells or their order are given, which are the solid's".to_owned());
+            passed.push("cells or their order are given, which are settings of the solid".to_owned());
         }
         Ok(()) if matches!(scene.contact, Contact::Patch { radius: Some(_), .. }) => {
-            passed.push("a patch is given, which is the solid's".to_owned());
+            passed.push("contact.patch_radius is given, which is a setting of the solid".to_owned());
         }
         Ok(()) if is_layered && scene.body.composition.is_of_one_material() => {
             passed.push(
-                "it is of one material that relaxes, and the error of a plate is not estimated for that; body.model = \"layerwise\" computes it as a plate".to_owned(),
+                "its only material is viscoelastic, and the error of a plate theory is not estimated for that; body.model = \"layerwise\" computes it as a plate".to_owned(),
             );
         }
         Ok(()) => match if is_layered { layered } else { plate }(comm, scene, &mut passed, watch) {
@@ -205,7 +205,9 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
     };
     if let Err(reason) = admits(scene, Theory::Mindlin) {
-        passed.push(format!("Kirchhoff's theory has no neighbour to be judged by: {reason}"));
+        passed.push(format!(
+            "the error of Kirchhoff's theory cannot be estimated, since Mindlin's does not apply: {reason}"
+        ));
         return Ok(None);
     }
     let part = mindlin_error_over_difference(scene);
@@ -284,20 +286,20 @@ impl Compared {
 
     /// Reason for taking the solid.
     fn ruled_out(&self, scene: &Scene) -> String {
-        format!("{}, so the solid is taken", self.above_its_part(scene))
+        format!("{}, so the solid is used", self.above_its_part(scene))
     }
 
     /// Reason for taking the plate although its error is above its share: splines do not admit the solid, for `reason`.
     fn in_place_of_mesh(&self, scene: &Scene, reason: &str) -> String {
         let above = self.above_its_part(scene);
         format!(
-            "{above}, and yet taken: splines do not stand for its solid ({reason}), and a mesh would have errors that nothing estimates"
+            "{above}, but used: splines cannot model its solid ({reason}), and the error of a mesh is not estimated"
         )
     }
 
     fn above_its_part(&self, scene: &Scene) -> String {
         let share = THEORY_SHARE * scene.tolerance;
-        format!("{}, above {share:.1e}, the theory's part of the tolerance", self.judged)
+        format!("{}, above {share:.1e}, the theory's share of the tolerance", self.judged)
     }
 }
 

@@ -31,7 +31,7 @@ pub struct Data {
     pub strength: Strength,
     /// The contact episodes.
     pub contacts: Contacts,
-    /// The largest values; `None` without a row.
+    /// The largest values over time; `None` if the result has no rows.
     pub extremes: Option<Extremes>,
     /// Contact force, N.
     pub force: Series,

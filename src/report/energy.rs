@@ -77,7 +77,7 @@ fn table(named: &[(&str, &[f64])], unit: Unit) -> Table {
     }
 }
 
-/// A fraction in per cent, rounded up to the smallest value that is written as a number.
+/// Formats an upper limit in per cent; fractions below [`SMALLEST_PERCENT`] are written as 0.001 %.
 fn limit(part: f64) -> String {
     if part < SMALLEST_PERCENT { with_unit("0.001".to_owned(), "%") } else { percent(part) }
 }

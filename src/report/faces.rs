@@ -9,7 +9,8 @@ use super::number::{STRESS, TIME, computed, place, unit_for};
 const SINGLE: f64 = 1e-6;
 
 /// Makes the figure of one face of a result; `None` if no point has a tension. The largest tension is marked at the
-/// position recorded by the run, which may lie between the points of the map.
+/// position recorded by the run, which may lie between the points of the map. If the run has no record of it or the
+/// values differ, the point of the map with the largest tension is marked instead.
 pub fn face_figure(
     (maps, map): (&StressMaps, &FaceMap),
     stresses: Option<&Stresses>,

@@ -62,11 +62,11 @@ mod impact {
 mod model {
     pub mod agreement;
     pub mod beside_hit;
-    pub mod climb;
     pub mod converged;
     pub mod estimates;
     pub mod independent;
     pub mod reduction;
+    pub mod select_theory;
     pub mod stress;
     pub mod theories;
     pub mod theory_error;
@@ -138,7 +138,7 @@ fn main() -> ExitCode {
         impact::unilateral,
         model::agreement,
         model::beside_hit,
-        model::climb,
+        model::select_theory,
         model::converged,
         model::estimates,
         model::independent,

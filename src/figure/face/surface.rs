@@ -103,8 +103,8 @@ fn distance(one: &[f64; 2], other: &[f64; 2]) -> f64 {
     (one[0] - other[0]).hypot(one[1] - other[1])
 }
 
-/// Fills unknown values near the impact point: linear along each radius from the value at the impact point to a
-/// weighted mean of the surrounding values.
+/// Fills unknown values near the impact point: linear along each radius from the value at the impact point to a mean of
+/// the surrounding values, weighted by distance⁻⁴.
 fn filled(places: &[[f64; 2]], values: &[f64], hit: [f64; 2]) -> Vec<f64> {
     let known: Vec<(&[f64; 2], f64)> =
         places.iter().zip(values.iter().copied()).filter(|(_, value)| !value.is_nan()).collect();

@@ -89,7 +89,7 @@ impl SplineSolid {
     /// valid patch.
     pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
         let fault = |reason: String| {
-            let message = format!("splines on a box do not stand for this scene: {reason}");
+            let message = format!("splines on a box cannot model this scene: {reason}");
             Fault::new("body.model", message, "body.cells, for a mesh")
         };
         let geometry = BoxGeometry::new(scene).map_err(fault)?;
