@@ -134,7 +134,7 @@ impl RunFacts {
         if let Some(largest) = &self.largest {
             let Extreme { value, time } = largest.acceleration;
             say(format_args!("largest    acceleration {} m/s² at {} ms", short(value), short(1e3 * time)));
-            for line in lines(largest, self.contacts.first().map(|first| first.end)) {
+            for line in lines(largest, self.contacts.first().map(|first| first.end), |_| None) {
                 say(format_args!("           {line}"));
             }
         }
@@ -202,7 +202,7 @@ impl SweepFacts {
             varied: header
                 .keys
                 .iter()
-                .map(|key| Varied { key: key.path.clone(), units: key.units.clone(), values: key.values.count() })
+                .map(|key| Varied { key: key.path.clone(), units: key.units.clone(), values: key.values.distinct() })
                 .collect(),
             done: count(Status::Done),
             failed: count(Status::Failed),
@@ -223,7 +223,8 @@ impl SweepFacts {
             ranks_of(self.ranks)
         ));
         for Varied { key, units, values } in &self.varied {
-            say(format_args!("varied     {key} [{units}], {values} values"));
+            let values = if *values == 1 { "1 value".to_owned() } else { format!("{values} values") };
+            say(format_args!("varied     {key} [{units}], {values}"));
         }
         say(format_args!(
             "members    {} done, {} failed, {} refused, {} missing{}",

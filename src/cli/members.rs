@@ -3,13 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use crate::impact::Plan;
+use crate::impact::{Plan, beside};
 use crate::model::{are_edges_held, largest_linear};
 use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, Remark, USELESS, above};
+use super::notes::{self, Remark, USELESS};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
@@ -85,20 +85,21 @@ impl Remarks {
             let remark = |kind: &str, size: f64, text: String| Remark { kind: kind.to_owned(), size, text };
             let of_first = format!(
                 "the estimated error in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e}",
-                above(first, *tolerance)
+                beside(first, *tolerance)
             );
             if first > USELESS {
-                let text = format!("{of_first}, and its results are of no use: `ricochet check` of its scene says why");
+                let text = format!(
+                    "{of_first}, and its results are of no use: `ricochet check` of this member's scene shows the causes of its error"
+                );
                 all.warnings.add(member, remark("useless", first, text));
             } else if first > *tolerance {
-                let text =
-                    format!("{of_first}: `ricochet check` of its scene says what a run of its own would have, and why");
+                let text = format!("{of_first}: `ricochet check` of this member's scene shows the causes of its error");
                 all.warnings.add(member, remark("first contact", first, text));
             } else if whole > *tolerance {
                 let text = format!(
                     "the estimated error of the whole history is {} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first \
                      contact: later times are more sensitive; tighten the tolerance to check them",
-                    above(whole, *tolerance)
+                    beside(whole, *tolerance)
                 );
                 all.notes.add(member, remark("whole history", whole, text));
             }

@@ -117,7 +117,8 @@ pub struct Run {
     /// Continue the interrupted run of this result from the checkpoint beside it; in modal coordinates it begins again
     #[arg(long, value_name = "OUT.h5")]
     pub restart: Option<PathBuf>,
-    /// Overwrite an interrupted run that has a checkpoint, and run even if the estimated error exceeds half of the peak
+    /// Overwrite an interrupted run that has a checkpoint, and run even if the estimated error in the first contact exceeds half of
+    /// the peak
     #[arg(long)]
     pub force: bool,
     /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)

@@ -1,9 +1,10 @@
 //! Warnings and notes about a scene, to be read before its results are trusted.
 
 use crate::contact::{ForceLaw, Patch};
-use crate::impact::{Errors, Plan};
+use crate::impact::{Errors, Plan, beside};
 use crate::mesh::Measures;
 use crate::model::{self, Model};
+use crate::record::stress::LargestTension;
 use crate::scene::{
     Contact, Doubt, Geometry, Measure, Model as Theory, Reduction, Scene, Scheme, Source, doubts, face_names,
 };
@@ -82,7 +83,7 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let message = format!(
         "the estimated error{of_what} in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          what may lower it: {}",
-        above(error, tolerance),
+        beside(error, tolerance),
         remedies.join(", or ")
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
@@ -107,11 +108,11 @@ pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned:
         missed.push(format!(
             "the estimated error of the largest tension in the first contact is {} with that of the steps, above accuracy.tolerance = {tolerance:e}: \
              tighten the tolerance",
-            above(errors.stress, tolerance)
+            beside(errors.stress, tolerance)
         ));
     }
     if errors.history > tolerance {
-        let error = above(errors.history, tolerance);
+        let error = beside(errors.history, tolerance);
         missed.push(match measure {
             Measure::Acceleration => format!(
                 "the estimated error of the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first contact: later times are \
@@ -124,13 +125,6 @@ pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned:
         });
     }
     missed
-}
-
-/// Formats a number above a limit, with two digits or as many as are needed to show that it is above.
-pub fn above(number: f64, limit: f64) -> String {
-    let text = |digits: usize| format!("{number:.digits$e}");
-    let is_seen = |text: &String| text.parse::<f64>().is_ok_and(|shown| shown > limit);
-    (1..4).map(text).find(is_seen).unwrap_or_else(|| text(4))
 }
 
 /// Hint how to reduce the error caused by a part of a model.
@@ -189,6 +183,32 @@ const LONG_DIAGONAL: f64 = 20.0;
 /// Diagonal of a body over the radius of the impactor above which its lengths look like millimetres.
 const LONG_FOR_RADIUS: f64 = 200.0;
 
+/// Warning for a hit at a distance (divided by the thickness) from a clamped edge at which the tension there may govern.
+pub fn near_clamped_edge(distance: f64) -> String {
+    format!(
+        "the hit is {distance:.2} thicknesses from a clamped edge, and the tension at that edge may be the largest: plates give up to about half of a \
+         solid's tension there, which grows as cells get smaller, so that no error of the largest tension is estimated"
+    )
+}
+
+/// Reason for which the error of the largest tension of a run is not estimated.
+pub fn why_unestimated(scene: &Scene, largest: &LargestTension) -> String {
+    let thickness = match (&scene.body.geometry, scene.struck_axis()) {
+        (Geometry::Box { size, .. }, Some(struck)) => size[struck],
+        _ => 0.0,
+    };
+    if scene.is_at_clamped_edge(largest.point) {
+        "it is at a clamped edge, where the tension of a solid grows as cells get smaller".to_owned()
+    } else if let Some(distance) = scene.hit_near_clamped_edge() {
+        format!("the hit is {distance:.2} thicknesses from a clamped edge, where a tension may be larger")
+    } else if scene.distance_to_edge().is_some_and(|distance| distance < thickness) {
+        "the hit is less than a thickness from an edge, and the local stresses under the contact are not added there"
+            .to_owned()
+    } else {
+        "only plates and spline solids in modal coordinates have one".to_owned()
+    }
+}
+
 /// Warnings about the geometry of a body, its supports, or the table of the contact law.
 pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     let mut warnings = Vec::new();
@@ -201,7 +221,7 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     let diagonal = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
     if diagonal > LONG_DIAGONAL && diagonal > LONG_FOR_RADIUS * scene.impactor.radius.unwrap_or_default() {
         let text = format!(
-            "the body is {diagonal:.4} m long: lengths are in metres, and these look like millimetres, of which a thousand make a metre"
+            "the body has a diagonal of {diagonal:.4} m: lengths are in metres, and these look like millimetres"
         );
         add("long body", diagonal, text);
     }
@@ -215,6 +235,11 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
              table in m and N?"
         );
         add("units of a table", end / indentation, text);
+    }
+    if scene.output.stress
+        && let Some(distance) = scene.hit_near_clamped_edge()
+    {
+        add("near clamped edge", 1.0 / distance.max(f64::MIN_POSITIVE), near_clamped_edge(distance));
     }
     let Some(measures) = measures else { return warnings };
     if measures.parts > 1 {
@@ -378,7 +403,7 @@ mod tests {
     #[test]
     fn what_is_above_a_limit_is_seen_to_be() {
         let shown = [(1.6e-2, "1.6e-2"), (1.004e-2, "1.004e-2"), (1.03e-2, "1.03e-2"), (1.000001e-2, "1.0000e-2")];
-        shown.into_iter().for_each(|(number, text)| assert_eq!(above(number, 1e-2), text));
+        shown.into_iter().for_each(|(number, text)| assert_eq!(beside(number, 1e-2), text));
     }
 
     #[test]

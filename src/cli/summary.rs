@@ -78,8 +78,8 @@ impl Summary {
         self.tension.visit(visitor)
     }
 
-    /// Prints the summary.
-    pub fn print(&self, episodes: &Episodes, extremes: Option<&Extremes>, cost: &Cost, judged: &[&str], output: &Path) {
+    /// Prints the summary; `largest` has the lines with the largest values ([`lines`]).
+    pub fn print(&self, episodes: &Episodes, largest: &[String], cost: &Cost, judged: &[&str], output: &Path) {
         let contacts: Vec<String> = episodes
             .all()
             .iter()
@@ -95,24 +95,21 @@ impl Summary {
             short(1e3 * self.peak.1),
             short(self.last.impactor.velocity)
         ));
-        let first_end = episodes.all().first().map(|first| first.end);
-        extremes.iter().flat_map(|extremes| lines(extremes, first_end)).for_each(|line| say(format_args!("{line}")));
+        largest.iter().for_each(|line| say(format_args!("{line}")));
         say(format_args!("contacts: {contacts}"));
         let energy = &self.last.energy;
         say(format_args!(
-            "energy: change by the time integration {:+.1e} of the initial {} J{}",
+            "energy: change by the time integration {:+.1e} of the initial {} J",
             energy.numerical / self.initial,
             short(self.initial),
-            if cost.error_estimate.is_nan() {
-                String::new()
-            } else {
-                format!(
-                    "; estimated error of the acceleration, by {}, {:.1e} of its peak",
-                    listed(judged),
-                    cost.error_estimate
-                )
-            }
         ));
+        if !cost.error_estimate.is_nan() {
+            say(format_args!(
+                "accuracy: estimated error of the acceleration over the whole history {:.1e} of its peak, by {}",
+                cost.error_estimate,
+                listed(judged)
+            ));
+        }
         say(format_args!(
             "{}: {} s (model {}, setup {}, steps {}), {} solves and {} Newton iterations",
             output.display(),
@@ -164,8 +161,12 @@ pub fn beyond(ratio: f64, are_edges_held: bool) -> String {
 }
 
 /// Lines with the largest values of a run, without the acceleration. `first_end` is the end of the first contact, s, if
-/// it has ended.
-pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
+/// it has ended. `why` returns the reason for which the error of the largest tension is not estimated, if it is known.
+pub fn lines(
+    extremes: &Extremes,
+    first_end: Option<f64>,
+    why: impl Fn(&LargestTension) -> Option<String>,
+) -> Vec<String> {
     let at = |extreme: &Extreme, factor: f64, unit: &str| {
         format!("{} {unit} at {} ms", short(factor * extreme.value), short(1e3 * extreme.time))
     };
@@ -186,9 +187,8 @@ pub fn lines(extremes: &Extremes, first_end: Option<f64>) -> Vec<String> {
         );
         line += &match largest.error_estimate {
             none if none.is_nan() => {
-                ", without an estimate of its error (there is one for plates and spline solids in modal coordinates that are hit at least a thickness \
-                 from an edge, but for tensions at clamped edges)"
-                    .to_owned()
+                let why = why(largest).map_or(String::new(), |why| format!(": {why}"));
+                format!(", without an estimate of its error{why}")
             }
             _ if first_end.is_some_and(|end| largest.time > end) => {
                 ", after the first contact; errors of tensions are estimated in the first contact only".to_owned()

@@ -139,6 +139,13 @@ impl Mul<Errors> for f64 {
     }
 }
 
+/// Formats a number beside a limit, with two digits or as many as are needed to show whether it is above the limit.
+pub fn beside(number: f64, limit: f64) -> String {
+    let text = |digits: usize| format!("{number:.digits$e}");
+    let is_seen = |text: &String| text.parse::<f64>().is_ok_and(|shown| (shown > limit) == (number > limit));
+    (1..4).map(text).find(is_seen).unwrap_or_else(|| text(4))
+}
+
 /// Errors by their causes; the total estimate [`joined`] combines them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ErrorEstimate {

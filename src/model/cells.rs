@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
 use crate::scene::{Measure, Model, Scene};
-use crate::space::evaluate::Evaluator;
+use crate::space::evaluate::{Evaluator, TensionErrors};
 use crate::space::plate::crossing;
 
 /// Size of the coarser cells relative to the others; and least and largest size of finer cells relative to the present
@@ -333,9 +333,9 @@ fn allowed(scene: &Scene, others: Errors) -> f64 {
 
 /// Adds to the discretisation error the errors of the local fields, which do not depend on the cell size.
 pub(super) fn with_local_fields(scene: &Scene, evaluator: Option<&Evaluator>, error: Errors) -> Errors {
-    let mean = evaluator.map(Evaluator::error_of_mean).unwrap_or_default();
+    let TensionErrors { of_cells, of_width, of_edges } = evaluator.map(Evaluator::tension_errors).unwrap_or_default();
     let of_crossing = LOCAL_FIELD_FACTOR * crossing(scene).powi(2);
-    let of_local_field = joined(joined(mean.of_cells, mean.of_width), of_crossing);
+    let of_local_field = [of_width, of_crossing, of_edges].into_iter().fold(of_cells, joined);
     error.joined(Errors { stress: of_local_field, ..Errors::default() })
 }
 

@@ -23,7 +23,7 @@ use super::watch::Watch;
 use super::{Built, Model, build, reduce, refine, unrefined};
 use crate::description::Description;
 use crate::error::{Error, Result};
-use crate::impact::{Cause, Errors, joined, rest};
+use crate::impact::{Cause, Errors, beside, joined, rest};
 use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
@@ -53,10 +53,11 @@ pub(super) fn layered(
     let of_theory = mindlin_error_over_difference(&elastic) * difference + Errors::throughout(mismatch);
     let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));
     let of_what = scene.measure.of_what();
-    let judged = format!(
-        "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what} in the first contact; estimated error of layerwise relative to solid: {error:.1e}"
-    );
     let tolerance = scene.tolerance;
+    let judged = format!(
+        "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what} in the first contact; estimated error of layerwise relative to solid: {}",
+        beside(error, THEORY_SHARE * tolerance)
+    );
     let (over, share) = (watch.agreed(error / tolerance), THEORY_SHARE * tolerance);
     // Cells and basis get the rest of the tolerance, if the theory leaves any.
     let mut left =

@@ -12,7 +12,7 @@ use petsc_wrap::Comm;
 use crate::contact::{hertz, zener};
 use crate::error::{Error, Result};
 use crate::form::Lame;
-use crate::impact::{Cause, Errors};
+use crate::impact::{Cause, Errors, beside};
 use crate::material::Material;
 use crate::scene::{
     Contact, Geometry, Impactor, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
@@ -279,7 +279,8 @@ impl Compared {
         let (differ, error) = (difference.of(scene.measure), errors.of(scene.measure));
         let of_what = scene.measure.of_what();
         let judged = format!(
-            "kirchhoff and mindlin differ by {differ:.1e}{of_what} in the first contact; estimated error of mindlin relative to solid: {error:.1e}"
+            "kirchhoff and mindlin differ by {differ:.1e}{of_what} in the first contact; estimated error of mindlin relative to solid: {}",
+            beside(error, THEORY_SHARE * scene.tolerance)
         );
         Self { errors, error_over_tolerance: watch.agreed(error / scene.tolerance), judged }
     }

@@ -20,6 +20,11 @@ const LIGHT: f64 = 25.0;
 /// Largest plausible density, kg/m³. All metals are lighter.
 const HEAVY: f64 = 25e3;
 
+/// Highest plausible temperature of a body whose relaxation depends on it, °C. Interlayers of glass are laminated at 140.
+const HOT: f64 = 150.0;
+/// 0 °C, K.
+const ZERO_CELSIUS: f64 = 273.15;
+
 /// Radius of the impactor above which its density is checked, m.
 const LARGE: f64 = 1.0;
 /// Smallest plausible density of the impactor, kg/m³: its mass over the volume of a ball with its radius.
@@ -76,6 +81,16 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
     for (key, strength) in of_all.into_iter().chain(of_faces) {
         let help = format!("a strength is in Pa: {} MPa are {}", show(strength), show(1e6 * strength));
         doubt(&key, WEAK / strength, format!("{} Pa is weaker than foam", show(strength)), help);
+    }
+    if let Some(Number(temperature)) = raw.body.temperature {
+        let help =
+            format!("temperatures are in °C: {} K are {} °C", show(temperature), show(temperature - ZERO_CELSIUS));
+        doubt(
+            "body.temperature",
+            temperature / HOT,
+            format!("{} °C is hotter than any interlayer bears", show(temperature)),
+            help,
+        );
     }
     if let Some(radius) = impactor.radius.filter(|radius| *radius > LARGE) {
         let of_ball = impactor.mass / (4.0 / 3.0 * PI * radius.powi(3));

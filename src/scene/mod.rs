@@ -62,6 +62,11 @@ pub const STANDARD_GRAVITY: f64 = 9.80665;
 /// is a large part of the stress.
 const SOFT: f64 = 0.1;
 
+/// Distance of the impact point from a clamped edge, divided by the thickness, within which the tension at that edge may
+/// be the largest. Plates give up to 1.9 times less tension there than solids, and at this distance about as much as
+/// under the impact point.
+const NEAR_CLAMPED_EDGE: f64 = 4.0;
+
 /// A checked scene of one impact: every number is finite and in its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -172,15 +177,27 @@ impl Scene {
     /// Whether a point of a plate is within half a thickness of an edge with clamped in-plane displacements. Stresses
     /// of a solid are singular there.
     pub fn is_at_clamped_edge(&self, point: Vec3) -> bool {
-        let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else {
-            return false;
-        };
-        let is_near = |(axis, is_upper): &faces::Face| {
-            let along = if *is_upper { point[*axis] } else { -point[*axis] };
-            *axis != struck && 0.5 * size[*axis] - along <= 0.5 * size[struck]
-        };
+        self.thicknesses_to_clamped_edge(point).is_some_and(|distance| distance <= 0.5)
+    }
+
+    /// Distance of the impact point from the nearest edge with clamped in-plane displacements, divided by the thickness,
+    /// if it is so small that the tension at that edge may be the largest even if the model finds a larger one elsewhere.
+    /// In solids, the tension at a clamped edge grows as cells get smaller.
+    pub fn hit_near_clamped_edge(&self) -> Option<f64> {
+        self.thicknesses_to_clamped_edge(self.impactor.point).filter(|distance| *distance <= NEAR_CLAMPED_EDGE)
+    }
+
+    /// Distance of a point of a plate from the nearest edge with clamped in-plane displacements, divided by the
+    /// thickness; `None` without such an edge.
+    fn thicknesses_to_clamped_edge(&self, point: Vec3) -> Option<f64> {
+        let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else { return None };
         let clamps = self.supports.iter().filter(|support| support.clamps_sections(struck));
-        clamps.flat_map(|support| faces::faces(&support.surface)).any(is_near)
+        let edges = clamps.flat_map(|support| faces::faces(&support.surface)).filter(|(axis, _)| *axis != struck);
+        let distance = |(axis, is_upper): &faces::Face| {
+            let along = if *is_upper { point[*axis] } else { -point[*axis] };
+            (0.5 * size[*axis] - along) / size[struck]
+        };
+        edges.map(distance).min_by(f64::total_cmp)
     }
 
     /// Coordinates z of the faces of all layers of a box that is hit across its layers, m, ascending. Empty if a side

@@ -118,7 +118,7 @@ fn index(name: &str, segment: &str, length: usize) -> Result<usize, String> {
 fn past_the_end(name: &str, index: usize, length: usize) -> String {
     match length {
         0 => format!("`{name}` has no entries, so there is no number {index}"),
-        1 => format!("`{name}` has one entry, number 0, so there is no number {index}"),
+        1 => format!("`{name}` has one entry, {name}.0, and no {name}.{index}: entries are added in the scene's file"),
         _ => format!("`{name}` has {length} entries, numbers 0 to {}, so there is no number {index}", length - 1),
     }
 }

@@ -32,6 +32,9 @@ const MOST_UNKNOWNS: f64 = 8e4;
 /// Size of the largest mesh file that is read without `--full`, bytes: about one second of work.
 const LARGEST_FILE: u64 = 8_000_000;
 
+/// Shortest estimate of the time of `--full` that is shown, s.
+const LEAST_OUTLOOK: f64 = 5.0;
+
 /// Facts about a scene before it is run.
 struct Report<'a> {
     scene: &'a Scene,
@@ -130,7 +133,9 @@ fn model(
     }
     match Model::watched(comm, scene, &follower) {
         Err(Error::Interrupted) if !interrupt.is_raised(comm) => {
-            let time = follower.outlook().map_or(String::new(), |seconds| format!(" in about {seconds:.0} s"));
+            // A check takes some seconds before it gives up, so that a shorter estimate is of no use.
+            let outlook = follower.outlook().filter(|seconds| *seconds >= LEAST_OUTLOOK);
+            let time = outlook.map_or(String::new(), |seconds| format!(" in about {seconds:.0} s"));
             Ok(Err(format!(
                 "its choice and the estimates of errors take more than a few seconds: --full makes them{time}"
             )))

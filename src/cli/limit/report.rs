@@ -189,7 +189,8 @@ impl<'a> Report<'a> {
             0 => String::new(),
             added => format!("; added to check this: {added}"),
         };
-        say(format_args!("{below}: {lower} were computed, and {rest}{added}"));
+        let computed = if lower == 1 { "1 value was".to_owned() } else { format!("{lower} values were") };
+        say(format_args!("{below}: {computed} computed below the limit, and {rest}{added}"));
     }
 
     /// Warnings about the answer, for standard error.

@@ -17,7 +17,7 @@ use crate::space::evaluate::FaceTension;
 
 use super::super::follow::Follower;
 use super::super::interrupt::Interrupt;
-use super::super::notes::{Verdict, missing_faces, verdict};
+use super::super::notes::{Verdict, missing_faces, near_clamped_edge, verdict};
 use super::super::summary::Summary;
 
 /// A value of the key, with the result of its run.
@@ -137,6 +137,8 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
              estimated"
                 .to_owned(),
         );
+    } else if let Some(distance) = scene.hit_near_clamped_edge() {
+        warnings.push(near_clamped_edge(distance));
     }
     most.warnings = warnings;
     drop(impact);

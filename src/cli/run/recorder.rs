@@ -14,6 +14,7 @@ use crate::record::checkpoint;
 use crate::record::extremes::extremes;
 use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
+use crate::record::stress::LargestTension;
 use crate::scene::Scene;
 
 use super::super::checkpoint_writer::CheckpointWriter;
@@ -21,7 +22,7 @@ use super::super::interrupt::Interrupt;
 use super::super::notes;
 use super::super::progress::Progress;
 use super::super::recording::Recording;
-use super::super::summary::Summary;
+use super::super::summary::{Summary, lines};
 use super::super::{note, tell};
 
 /// Data that rank 0 records during a run.
@@ -66,7 +67,10 @@ impl Recorder {
         // If the file cannot be read back at once, the run is still valid.
         let extremes = extremes(end.output).ok().flatten();
         if end.has_summary {
-            self.summary.print(&episodes, extremes.as_ref(), end.cost, &end.estimate.causes(), end.output);
+            let first_end = episodes.all().first().map(|first| first.end);
+            let why = |largest: &LargestTension| Some(notes::why_unestimated(scene, largest));
+            let largest = extremes.map_or_else(Vec::new, |extremes| lines(&extremes, first_end, why));
+            self.summary.print(&episodes, &largest, end.cost, &end.estimate.causes(), end.output);
         }
         if let Some(warning) = self.summary.warning() {
             tell(format_args!("warning: {warning}"));

@@ -119,7 +119,11 @@ impl FaceFigure {
 
     fn draw_mark<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
         let (x, y) = (frame.at_x(self.mark[0]), frame.at_y(self.mark[1]));
-        for (colour, size, width) in [(PAPER, 17.0, 8.0), (INK, 15.0, 3.5)] {
+        // The circle of interpolated values must remain visible around the mark.
+        let circle =
+            self.surface.unread.map(|(middle, radius)| (frame.at_x(middle[0] + radius) - frame.at_x(middle[0])).abs());
+        let arm = circle.map_or(LONGEST_ARM, |radius| (0.7 * radius).clamp(SHORTEST_ARM, LONGEST_ARM));
+        for (colour, size, width) in [(PAPER, arm + 2.0, 8.0), (INK, arm, 3.5)] {
             let stroke = Stroke { colour, width, dashes: &[] };
             line(canvas, (x - size, y), (x + size, y), &stroke)?;
             line(canvas, (x, y - size), (x, y + size), &stroke)?;
@@ -127,6 +131,10 @@ impl FaceFigure {
         Ok(())
     }
 }
+
+/// Lengths of the arms of the mark at the impact point, in units of the canvas.
+const LONGEST_ARM: f64 = 15.0;
+const SHORTEST_ARM: f64 = 6.0;
 
 /// Number of points of a circle.
 const ROUND: usize = 96;

@@ -36,10 +36,11 @@ impl Default for LargestTension {
 }
 
 impl LargestTension {
-    /// Sets the estimated error, or NaN if the point is at a clamped edge. There the stresses of a solid are singular,
-    /// and the estimate, which is for the tension under the impact point, does not apply.
+    /// Sets the estimated error, or NaN if the largest tension is or may be at a clamped edge. There the stresses of a
+    /// solid are singular, and the estimate, which is for the tension under the impact point, does not apply.
     pub fn with_error(self, error: f64, scene: &Scene) -> Self {
-        Self { error_estimate: if scene.is_at_clamped_edge(self.point) { f64::NAN } else { error }, ..self }
+        let is_estimated = scene.hit_near_clamped_edge().is_none() && !scene.is_at_clamped_edge(self.point);
+        Self { error_estimate: if is_estimated { error } else { f64::NAN }, ..self }
     }
 
     /// Includes the tensions (by face) at a step; `strengths` has the strength of each face, Pa.

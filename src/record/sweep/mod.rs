@@ -10,6 +10,8 @@ pub use member::{Member, Quantity, Status};
 pub use read::{Sweep, is_one, is_sweep};
 pub use write::SweepWriter;
 
+use std::collections::HashSet;
+
 /// Definition and provenance of a sweep: the attributes of the root of its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
@@ -60,11 +62,19 @@ pub enum Values {
 }
 
 impl Values {
-    /// Number of values.
+    /// Number of members.
     pub fn count(&self) -> usize {
         match self {
             Self::Numbers(numbers) => numbers.len(),
             Self::Words(words) => words.len(),
+        }
+    }
+
+    /// Number of different values.
+    pub fn distinct(&self) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers.iter().map(|number| number.to_bits()).collect::<HashSet<_>>().len(),
+            Self::Words(words) => words.iter().collect::<HashSet<_>>().len(),
         }
     }
 }

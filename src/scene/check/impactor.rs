@@ -60,7 +60,7 @@ fn speed(source: &Source, raw: &raw::Impactor) -> Result<f64, SceneError> {
             Err(source.error("impactor.speed", "this key is required", "a speed in m/s, or `drop_height` in m"))
         }
         (Some(_), Some(_)) => {
-            let help = "take one of the two out".into();
+            let help = "take one of the two out; a sweep or --set can vary the one that the scene gives".into();
             let message = "the speed is given twice".into();
             Err(source.conflict("impactor.drop_height", "impactor.speed", message, help))
         }

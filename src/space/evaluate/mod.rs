@@ -15,7 +15,7 @@ pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use line_stress::{AtPlace, FaceLines, LinePart, LineStresses, Lines};
 pub use map::{Map, renumbered};
-pub use near::{ContactNow, ContactSize, ErrorOfMean, Hit, HitBody, LocalPoint, NearHit};
+pub use near::{ContactNow, ContactSize, Hit, HitBody, LocalPoint, NearHit, TensionErrors};
 pub use sampler::{FieldSampler, Fields};
 pub use search::{Coordinates, Searched, TensionSearch};
 pub use smoothed::Add;
@@ -231,10 +231,10 @@ impl Evaluator {
     }
 
     /// Estimated error of the tension opposite the impact point due to the averaging; zero if no mean is used.
-    pub fn error_of_mean(&self) -> ErrorOfMean {
+    pub fn tension_errors(&self) -> TensionErrors {
         match (&self.kind, &self.near) {
-            (Kind::Grid(_), Some(near)) => near.error_of_mean(),
-            _ => ErrorOfMean::default(),
+            (Kind::Grid(_), Some(near)) => near.tension_errors(),
+            _ => TensionErrors::default(),
         }
     }
 

@@ -36,6 +36,12 @@ const ORDER_OF_MEAN: f64 = 3.2;
 /// to 2.7 times as wide as their loaded disc.
 const WIDE_MEAN_ERROR: f64 = 8e-4;
 
+/// Estimated relative error of the tension opposite the impact point due to one edge of a plate at a distance of one
+/// thickness. The local field is that of a plate without edges. The error falls with the cube of the distance. Fitted to
+/// a hit at the corner of two clamped edges: the tension differed from a solid's by 2.1% at one thickness, by 0.7% at 1.5
+/// and by 0.1% at 2. At one edge it differed by 0.6% at one thickness, for free, hinged and clamped edges.
+const EDGE_ERROR: f64 = 0.012;
+
 /// Contact radius, divided by the thickness, up to which tables are computed at least. The members of a sweep share
 /// these tables.
 const LEAST_TABLE: f64 = 0.4;
@@ -105,6 +111,8 @@ pub struct NearHit {
     /// Axis normal to the impacted face.
     pub struck: usize,
     point: Vec3,
+    /// Distances of the impact point from the edges, m.
+    edges: [f64; 4],
     /// Distance of the impact point from the nearest edge, m.
     room: f64,
     largest: f64,
@@ -132,13 +140,15 @@ pub struct LocalPoint {
     lost: [f64; 6],
 }
 
-/// Estimated errors, relative to the peak, of the tension opposite the impact point due to averaging over a disc.
+/// Estimated errors of the tension opposite the impact point, relative to its peak.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ErrorOfMean {
-    /// Error due to the cells within the disc.
+pub struct TensionErrors {
+    /// Error of averaging over a disc, due to the cells within it.
     pub of_cells: f64,
-    /// Error due to the width of the disc.
+    /// Error of averaging over a disc, due to its width.
     pub of_width: f64,
+    /// Error of a plate's local field, which is that of a plate without edges.
+    pub of_edges: f64,
 }
 
 impl ContactSize {
@@ -182,8 +192,10 @@ impl NearHit {
             }
         };
         let point = scene.impactor.point;
-        let room = (0..3).filter(|axis| *axis != struck).map(|axis| 0.5 * size[axis] - point[axis].abs());
-        let room = room.fold(f64::INFINITY, f64::min);
+        let [one, other] = [(struck + 1) % 3, (struck + 2) % 3];
+        let edges = [(one, 1.0), (one, -1.0), (other, 1.0), (other, -1.0)];
+        let edges = edges.map(|(axis, sign)| 0.5 * size[axis] + sign * point[axis]);
+        let room = edges.into_iter().fold(f64::INFINITY, f64::min);
         if room < LEAST_ROOM * size[struck] * (1.0 - 1e-9) {
             return None;
         }
@@ -192,6 +204,7 @@ impl NearHit {
             stack,
             struck,
             point,
+            edges,
             room,
             largest: ContactSize::new(scene).largest(&scene.impactor).max(LEAST_TABLE * size[struck]),
             by_sections: OnceCell::new(),
@@ -231,12 +244,15 @@ impl NearHit {
         disc.max(CELLS * self.hit.cell).min(self.room)
     }
 
-    /// Estimated error of the tension opposite the impact point due to averaging.
-    pub fn error_of_mean(&self) -> ErrorOfMean {
+    /// Estimated errors of the tension opposite the impact point due to averaging and to the local field.
+    pub fn tension_errors(&self) -> TensionErrors {
         let (own, disc) = (self.hit.pressure.radius(), self.smoothing());
-        ErrorOfMean {
+        let is_plate = matches!(self.hit.body, HitBody::OneLayer(Sections::Plate { .. }) | HitBody::Layerwise(_));
+        let of_edge = |distance: f64| EDGE_ERROR * (self.thickness() / distance).powi(3);
+        TensionErrors {
             of_cells: MEAN_ERROR * (CELLS * self.hit.cell / disc).powf(ORDER_OF_MEAN),
             of_width: if own > 0.0 { WIDE_MEAN_ERROR * (disc / own).powi(2) } else { 0.0 },
+            of_edges: if is_plate { self.edges.into_iter().map(of_edge).sum() } else { 0.0 },
         }
     }
 
