@@ -306,6 +306,11 @@ fn one_key_is_drawn_as_a_curve_and_two_as_a_map() {
         "sweep scene.toml --vary impactor.speed=0.5..2:4 --vary support.0.stiffness=1e6,1e12 --log -o two.h5",
     );
     good(&folder, 0, "sweep scene.toml --vary support.0.stiffness=1e6..1e12:7 --log --set time.end=4e-3 -o one.h5");
+    // Each key has its own number of values, although it has one for each of the eight members.
+    let facts = good(&folder, 0, "info two.h5").stdout;
+    let count = |key: &str| facts.lines().find(|line| line.contains(key)).map(str::to_owned).unwrap_or_default();
+    assert!(count("impactor.speed").ends_with(", 4 values"), "{facts}");
+    assert!(count("support.0.stiffness").ends_with(", 2 values"), "{facts}");
     good(&folder, 0, "plot two.h5 -o two.png");
     good(&folder, 0, "plot one.h5 -o one.png");
     good(&folder, 0, "plot one.h5 -o one.svg");

@@ -158,7 +158,10 @@ fn what_has_no_estimate_is_told() {
     let said = good(&folder, 0, "check scene.toml --set accuracy.quantity=stress --set impactor.point=[0,0.24,0.01]");
     assert!(said.stdout.contains("the error of stresses is not estimated for this body"), "{said:?}");
     let said = good(&folder, 0, "run scene.toml -o edge.h5 --set impactor.point=[0,0.238,0.01]");
-    assert!(said.stdout.contains("m, without an estimate of its error"), "{said:?}");
+    assert!(
+        said.stdout.contains("m, without an estimate of its error: the hit is less than a thickness from an edge"),
+        "{said:?}"
+    );
     let path = folder.path().join("edge.h5");
     change(&path, |file| {
         assert!(number::<f64>(file, "stress_error_estimate").is_nan());
@@ -184,6 +187,16 @@ fn tensions_at_clamped_edges_have_no_estimate() {
         assert_eq!(number::<f64>(&file, "stress_error_estimate").is_nan(), is_at_edge, "{said:?}");
         assert_eq!(said.stdout.contains("without an estimate of its error"), is_at_edge, "{said:?}");
     }
+    // Near the corner of two clamped edges a plate's largest tension is under the impact point, and a solid's is at the
+    // edge. The run says so.
+    let corner = "--set impactor.point=[0.09,0.09,0.005] --set impactor.mass=0.2 --set impactor.radius=0.025 --set impactor.speed=2.4 --set time.end=1e-4";
+    let said = good(&folder, 0, &format!("run scene.toml -o corner.h5 --force {corner}"));
+    let file = open(folder.path().join("corner.h5"));
+    let point = file.attr("largest_stress_point").unwrap().read_raw::<f64>().unwrap();
+    assert!((point[0] - 0.09).abs() < 1e-9 && (point[2] + 0.005).abs() < 1e-9, "{said:?}");
+    assert!(number::<f64>(&file, "stress_error_estimate").is_nan(), "{said:?}");
+    assert!(said.stdout.contains("the hit is 1.00 thicknesses from a clamped edge"), "{said:?}");
+    assert!(said.stderr.contains("warning: the hit is 1.00 thicknesses from a clamped edge"), "{said:?}");
     let of_sweep = "sweep scene.toml --vary impactor.speed=0.9,1 -o sweep.h5";
     good(&folder, 0, of_sweep);
     let errors = open(folder.path().join("sweep.h5")).dataset("members/stress_error_estimate").unwrap();

@@ -39,6 +39,21 @@ fn values_in_other_units_are_told_with_their_key_and_a_remedy() {
     }
 }
 
+/// A temperature in kelvin is told, for a material whose relaxation depends on it.
+#[test]
+fn a_temperature_in_kelvin_is_told() {
+    let scene = "[body]\nsize = [0.6, 0.4]\ntemperature = 293\n\
+         [[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n[[body.layer]]\nthickness = 0.002\nmaterial = \"soft\"\n\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.soft]\ndensity = 1100.0\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
+         wlf = { reference = 20.0, c1 = 12.6, c2 = 74.46 }\n\
+         [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n";
+    let (scene, source) = Scene::parse("scene.toml", scene, &[]).unwrap();
+    let [doubt] = &doubts(&scene, &source)[..] else { panic!("one doubt") };
+    assert!(doubt.error.to_string().contains("293 °C is hotter"), "{}", doubt.error);
+    assert!(doubt.error.advice().contains("293 K are 19.8"), "{}", doubt.error.advice());
+}
+
 /// Unusual but plausible values are not doubted: rubber, aluminium foam, a flat hammer, a rigid impactor, many bounces,
 /// few steps.
 #[test]
