@@ -180,6 +180,13 @@ impl ErrorEstimate {
         self.parts.iter().map(|(_, errors)| *errors).reduce(Errors::joined)
     }
 
+    /// Error of the largest tension; NaN unless the error of the cells is among the causes. Without it, the others are no
+    /// estimate: under the impact point the tension depends mostly on the cells.
+    pub fn of_tension(&self) -> f64 {
+        let has_cells = self.parts.iter().any(|(cause, _)| *cause == Cause::Cells);
+        self.total().filter(|_| has_cells).map_or(f64::NAN, |errors| errors.stress)
+    }
+
     /// Names of the causes whose error is at least a fifth of the largest one.
     pub fn main_causes(&self, measure: Measure) -> Vec<&'static str> {
         // If the error of the stress is unknown for one cause, all causes are compared by the acceleration, as in the

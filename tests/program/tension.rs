@@ -162,6 +162,10 @@ fn what_has_no_estimate_is_told() {
         said.stdout.contains("m, without an estimate of its error: the hit is less than a thickness from an edge"),
         "{said:?}"
     );
+    // Schemes other than modal coordinates do not estimate the error of the cells.
+    let other = "run scene.toml -o newmark.h5 --set time.scheme=newmark --set time.step=2e-6 --set time.end=2e-4";
+    let said = good(&folder, 0, other);
+    assert!(said.stdout.contains("without an estimate of its error: only plates and spline solids"), "{said:?}");
     let path = folder.path().join("edge.h5");
     change(&path, |file| {
         assert!(number::<f64>(file, "stress_error_estimate").is_nan());

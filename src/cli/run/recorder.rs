@@ -59,8 +59,7 @@ impl Recorder {
         // If nothing was computed, existing fields are left as they are.
         let fields = self.recording.as_mut().filter(|_| is_complete || self.writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
-        let error_estimate = end.estimate.total().map_or(f64::NAN, |errors| errors.stress);
-        self.writer.set_largest(self.summary.largest_tension().with_error(error_estimate, scene));
+        self.writer.set_largest(self.summary.largest_tension().with_error(end.estimate.of_tension(), scene));
         // If the steps have failed, the caller reports that error: a full disk first fails the steps and then the end.
         self.writer.finish(end.cost, is_complete).and(recorded)?;
         let Some(flow) = flow else { return Ok(()) };

@@ -71,9 +71,11 @@ pub fn simulate(
             observe(step, &reading.probes);
         },
     })?;
-    let errors = simulation.error().total().map(|errors| errors.joined(of_theory));
+    let estimate = simulation.error();
+    let errors = estimate.total().map(|errors| errors.joined(of_theory));
     let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
-    tension = tension.with_error(errors.map_or(f64::NAN, |errors| errors.stress), scene);
+    let of_tension = errors.filter(|_| !estimate.of_tension().is_nan());
+    tension = tension.with_error(of_tension.map_or(f64::NAN, |errors| errors.stress), scene);
     let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };
     Ok(flow.is_continue().then_some(outcome))
 }
