@@ -186,8 +186,8 @@ const LONG_FOR_RADIUS: f64 = 200.0;
 /// Warning for a hit at a distance (divided by the thickness) from a clamped edge at which the tension there may govern.
 pub fn near_clamped_edge(distance: f64) -> String {
     format!(
-        "the hit is {distance:.2} thicknesses from a clamped edge, and the tension at that edge may be the largest: plates give up to about half of a \
-         solid's tension there, which grows as cells get smaller, so that no error of the largest tension is estimated"
+        "the hit is {distance:.2} thicknesses from a clamped edge, and the tension at that edge may be the largest: a plate's tension there is as \
+         little as half of a solid's, which grows as cells get smaller; the error of the largest tension is therefore not estimated"
     )
 }
 
