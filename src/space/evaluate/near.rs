@@ -113,8 +113,6 @@ pub struct NearHit {
     point: Vec3,
     /// Distances of the impact point from the edges, m.
     edges: [f64; 4],
-    /// Distance of the impact point from the nearest edge, m.
-    room: f64,
     largest: f64,
     by_sections: OnceCell<LocalField>,
     as_it_is: OnceCell<LocalField>,
@@ -195,8 +193,7 @@ impl NearHit {
         let [one, other] = [(struck + 1) % 3, (struck + 2) % 3];
         let edges = [(one, 1.0), (one, -1.0), (other, 1.0), (other, -1.0)];
         let edges = edges.map(|(axis, sign)| 0.5 * size[axis] + sign * point[axis]);
-        let room = edges.into_iter().fold(f64::INFINITY, f64::min);
-        if room < LEAST_ROOM * size[struck] * (1.0 - 1e-9) {
+        if nearest(&edges) < LEAST_ROOM * size[struck] * (1.0 - 1e-9) {
             return None;
         }
         Some(Self {
@@ -205,7 +202,6 @@ impl NearHit {
             struck,
             point,
             edges,
-            room,
             largest: ContactSize::new(scene).largest(&scene.impactor).max(LEAST_TABLE * size[struck]),
             by_sections: OnceCell::new(),
             as_it_is: OnceCell::new(),
@@ -241,7 +237,7 @@ impl NearHit {
     pub fn smoothing(&self) -> f64 {
         let disc = self.hit.pressure.radius();
         let disc = if disc > 0.0 { disc } else { 2.0 * self.thickness() };
-        disc.max(CELLS * self.hit.cell).min(self.room)
+        disc.max(CELLS * self.hit.cell).min(nearest(&self.edges))
     }
 
     /// Estimated errors of the tension opposite the impact point due to averaging and to the local field.
@@ -380,6 +376,11 @@ impl NearHit {
         }
         [radial, inward]
     }
+}
+
+/// Distance from the nearest of the edges, m.
+fn nearest(edges: &[f64; 4]) -> f64 {
+    edges.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 impl LocalPoint {
