@@ -59,6 +59,7 @@ struct LimitFacts<'a> {
     point: Vec3,
     peak_force: f64,
     is_jump: bool,
+    is_converged: bool,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -95,6 +96,7 @@ impl<'a> Report<'a> {
                 point: utilisation.point,
                 peak_force: utilisation.peak_force,
                 is_jump: root.is_jump,
+                is_converged: root.is_converged,
             }
         });
         let mut samples: Vec<RunFacts> = trials.iter().map(RunFacts::from).collect();
@@ -200,6 +202,12 @@ impl<'a> Report<'a> {
             remarks.push(format!(
                 "warning: the tension jumps at the limit of {}: no value near it is just at the strength",
                 self.key
+            ));
+        }
+        if self.limit.as_ref().is_some_and(|limit| !limit.is_converged) {
+            remarks.push(format!(
+                "warning: the search stopped after {} runs, before the limit of {} was accurate enough: search a smaller range",
+                self.runs, self.key
             ));
         }
         if !self.is_lowest_by_curvature {

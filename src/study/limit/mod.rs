@@ -49,6 +49,8 @@ pub struct Root {
     pub is_rising: bool,
     /// Whether the ratio jumps across 1 at the root, without a value near 1.
     pub is_jump: bool,
+    /// Whether the search ended because the root is accurate enough, not because of the largest number of runs.
+    pub is_converged: bool,
     /// Change of the value per small change of the logarithm of the ratio, |d value / d ln ratio|, in the key's unit.
     pub sensitivity: f64,
 }
@@ -76,10 +78,10 @@ pub fn search<E>(range: &Range, tolerance: f64, mut ratio: impl FnMut(f64) -> Re
         None => None,
     };
     let is_rising = sign == Some(1.0);
-    let root = narrowed.map(|root::Narrowed { place, is_jump }| {
+    let root = narrowed.map(|root::Narrowed { place, is_jump, is_converged }| {
         let value = range.value(place);
         let at = samples.iter().find(|sample| sample.value == value).copied().unwrap_or(Sample { value, ratio: 1.0 });
-        Root { at, is_rising, is_jump, sensitivity: sensitivity(&samples, at, tolerance) }
+        Root { at, is_rising, is_jump, is_converged, sensitivity: sensitivity(&samples, at, tolerance) }
     });
     Ok(Found { root, samples, added, is_complete })
 }

@@ -10,6 +10,8 @@ const WIDE: f64 = 4.0;
 const INTERVALS_PER_DECADE: f64 = 3.0;
 const MIN_INTERVALS: f64 = 6.0;
 const MAX_INTERVALS: f64 = 12.0;
+/// Absolute value, relative to the range, below which a value counts as zero when its accuracy is judged.
+const NEAR_ZERO: f64 = 1e-3;
 /// Number of significant digits of computed values, few enough for a message to repeat them exactly.
 const DIGITS: usize = 10;
 
@@ -78,9 +80,14 @@ impl Range {
         rounded.clamp(self.from, self.to)
     }
 
-    /// Change of the place that corresponds to a relative change of the value.
+    /// Change of the place that corresponds to a relative change of the value. Near zero, the change is relative to a
+    /// small part of the range, so that a bracket around zero becomes narrow too.
     pub(super) fn width(&self, relative: f64, place: f64) -> f64 {
-        if self.is_log() { relative } else { relative * self.value(place).abs() / (self.to - self.from) }
+        if self.is_log() {
+            relative
+        } else {
+            relative * (self.value(place).abs() / (self.to - self.from)).max(NEAR_ZERO)
+        }
     }
 
     fn ends(&self) -> [f64; 2] {

@@ -21,11 +21,13 @@ pub(super) struct Narrowed {
     pub place: f64,
     /// Whether the function jumps there.
     pub is_jump: bool,
+    /// Whether the target was met within the largest number of iterations.
+    pub is_converged: bool,
 }
 
 /// Smallest distance of a new place from the bracket's ends, relative to the bracket.
 const MARGIN: f64 = 0.02;
-/// Largest number of iterations; as halvings they make any bracket narrow.
+/// Largest number of iterations. As halvings they make any bracket narrow; interpolations may make it narrow more slowly.
 const MAX_ITERATIONS: usize = 60;
 
 /// Narrows a bracket whose function is negative at its first end and not negative at its second.
@@ -42,17 +44,20 @@ pub(super) fn narrow<E>(
     let [mut before, mut newest] = bracket;
     let mut across = before;
     let mut part = secant(newest, across);
-    for _ in 0..MAX_ITERATIONS {
+    let mut iterations = 0;
+    loop {
         let best = if newest.function.abs() < across.function.abs() { newest } else { across };
         let slope = (newest.function - across.function) / (newest.place - across.place);
         let width = range.width(target.relative, best.place);
         let is_narrow = (newest.place - across.place).abs() <= width;
         let is_small = best.function.abs() <= target.function;
-        if is_narrow || is_small && best.function.abs() <= width * slope.abs() {
+        let is_converged = is_narrow || is_small && best.function.abs() <= width * slope.abs();
+        if is_converged || iterations == MAX_ITERATIONS {
             let is_jump = is_narrow && (newest.function - across.function).abs() > target.jump;
             // At a jump the returned place is the end at which the function is not negative.
             let passed = if newest.function >= 0.0 { newest } else { across };
-            return Ok(Narrowed { place: if is_jump { passed.place } else { best.place }, is_jump });
+            let place = if is_jump { passed.place } else { best.place };
+            return Ok(Narrowed { place, is_jump, is_converged });
         }
         let place = newest.place + part.clamp(MARGIN, 1.0 - MARGIN) * (across.place - newest.place);
         let found = Point { place, function: function(place)? };
@@ -64,8 +69,8 @@ pub(super) fn narrow<E>(
         }
         newest = found;
         part = step(newest, across, before);
+        iterations += 1;
     }
-    Ok(Narrowed { place: newest.place, is_jump: false })
 }
 
 fn secant(a: Point, b: Point) -> f64 {

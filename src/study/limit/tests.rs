@@ -2,6 +2,8 @@
 
 use proptest::prelude::*;
 
+use super::bracket::Point;
+use super::root::{Target, narrow};
 use super::{Found, Range, search};
 
 const TOLERANCE: f64 = 1e-2;
@@ -29,7 +31,7 @@ fn find(from: f64, to: f64, ratio: impl Fn(f64) -> f64) -> Found {
 /// The root, and whether the ratio rises there.
 fn root(found: &Found) -> (f64, bool) {
     let root = found.root.unwrap_or_else(|| panic!("{found:?}"));
-    assert!(!root.is_jump && found.is_complete, "{found:?}");
+    assert!(!root.is_jump && root.is_converged && found.is_complete, "{found:?}");
     assert!((root.at.ratio - 1.0).abs() <= TOLERANCE, "{root:?}");
     (root.at.value, root.is_rising)
 }
@@ -99,6 +101,25 @@ fn a_jump_is_told() {
     let found = find(1.0, 2.0, |x| if x < 1.37 { 0.8 * x / 1.37 } else { 1.3 });
     let root = found.root.unwrap();
     assert!(root.is_jump && root.at.ratio > 1.0 && is_near(root.at.value, 1.37, 1e-3), "{found:?}");
+}
+
+/// At zero there is no relative accuracy of the value. The search has to end all the same, after few runs.
+#[test]
+fn a_jump_at_zero_is_told() {
+    let found = find(-1.0, 1.1, |x| if x < 0.0 { 0.8 } else { 1.3 });
+    let root = found.root.unwrap();
+    assert!(root.is_jump && root.is_converged && root.at.ratio > 1.0, "{found:?}");
+    assert!(root.at.value.abs() < 1e-5 && found.samples.len() < 30, "{found:?}");
+}
+
+/// A target that no number of iterations reaches: the best point is returned, and it is said that it is not accurate.
+#[test]
+fn a_search_without_convergence_is_told() {
+    let target = Target { function: 0.0, relative: 0.0, jump: 1e-2 };
+    let bracket = [(0.2, -2.0), (0.9, 0.5)].map(|(place, function)| Point { place, function });
+    let mut function = |place: f64| Ok::<_, ()>(if place < 0.3 { -2.0 } else { 0.5 });
+    let narrowed = narrow(bracket, &target, &range(1.0, 2.0), &mut function).unwrap();
+    assert!(!narrowed.is_converged && narrowed.place >= 0.3, "{}", narrowed.place);
 }
 
 #[test]
