@@ -1,16 +1,20 @@
 //! Finds values of a scene that are allowed but probably a mistake. Most look as if they were given in another unit.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use super::check::show;
 use super::decode::decode;
 use super::values::Number;
-use super::{Scene, SceneError, Source, Vec3};
+use super::{Parts, Scene, SceneError, Source, Vec3, raw};
+use crate::material::{Material, Maxwell};
 
 /// Smallest plausible Young's modulus, Pa. Rubber is stiffer.
 const SOFT: f64 = 1e6;
 /// Largest plausible Young's modulus, Pa. Diamond is softer.
 const STIFF: f64 = 1e13;
+/// Smallest plausible shear or bulk modulus, Pa: the shear modulus of an incompressible material with [`SOFT`].
+const SOFT_SHEAR: f64 = SOFT / 3.0;
 
 /// Smallest plausible strength, Pa. Foam is stronger.
 const WEAK: f64 = 1e4;
@@ -66,6 +70,22 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         doubt(&key, SOFT / young, format!("{} Pa is softer than rubber", show(young)), of_young());
         if key != "impactor.young" {
             doubt(&key, young / STIFF, format!("{} Pa is stiffer than diamond", show(young)), of_young());
+        }
+    }
+    for (name, material) in named(scene, &raw) {
+        let Some(raw::Material { shear: Some(Number(shear)), bulk, .. }) = raw.material.get(name) else { continue };
+        // The given shear modulus of a viscoelastic material is what relaxation leaves, and may be small.
+        let instantaneous = material.shear.as_ref().map(Maxwell::instantaneous);
+        let of_shear = match instantaneous {
+            Some(shear) => format!("the shear modulus of {shear:.3e} Pa at t = 0, with all terms of `prony`,"),
+            None => format!("{} Pa", show(*shear)),
+        };
+        let given_bulk = bulk.map(|Number(bulk)| ("bulk", bulk, format!("{} Pa", show(bulk))));
+        let of_shear = ("shear", instantaneous.unwrap_or(*shear), of_shear);
+        for (key, modulus, words) in [of_shear].into_iter().chain(given_bulk) {
+            let (key, help) = (format!("material.{name}.{key}"), || "moduli are in Pa: 2 GPa are 2e9".to_owned());
+            doubt(&key, SOFT_SHEAR / modulus, format!("{words} is softer than rubber"), help());
+            doubt(&key, modulus / STIFF, format!("{words} is stiffer than diamond"), help());
         }
     }
     let of_density = || "the density is in kg/m3: 2.5 g/cm3 are 2500".to_owned();
@@ -132,6 +152,18 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         doubt("time.step", step / contact, what, help);
     }
     all
+}
+
+/// Materials of the layers or of the volumes, by name.
+fn named<'a>(scene: &'a Scene, raw: &'a raw::Scene) -> BTreeMap<&'a str, &'a Material> {
+    match &scene.body.composition.parts {
+        Parts::Whole(_) => BTreeMap::new(),
+        Parts::Layers(layers) => {
+            let names = raw.body.layer.0.iter().map(|layer| layer.material.as_str());
+            names.zip(layers.iter().map(|layer| &layer.material)).collect()
+        }
+        Parts::Volumes(volumes) => volumes.iter().map(|(name, material)| (name.as_str(), material)).collect(),
+    }
 }
 
 fn largest(vector: Vec3) -> f64 {

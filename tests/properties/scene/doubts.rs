@@ -1,12 +1,18 @@
 //! Values of a scene that are allowed but implausible.
 
 use crate::bad_scenes::SMALL;
+use crate::bad_scenes::layers::LAMINATE;
 use ricochet::scene::{Scene, doubts};
 
-/// The doubts about a scene, one line each.
+/// The doubts about the small scene with overrides, one line each.
 fn doubted(overrides: &[&str]) -> Vec<String> {
+    doubted_of(SMALL, overrides)
+}
+
+/// Same as [`doubted`], for any scene.
+fn doubted_of(text: &str, overrides: &[&str]) -> Vec<String> {
     let overrides: Vec<String> = overrides.iter().map(|&given| given.into()).collect();
-    let (scene, source) = Scene::parse("scene.toml", SMALL, &overrides).unwrap();
+    let (scene, source) = Scene::parse("scene.toml", text, &overrides).unwrap();
     let all = doubts(&scene, &source);
     assert!(all.iter().all(|doubt| doubt.excess > 1.0));
     all.iter().map(|doubt| format!("{}; {}", doubt.error, doubt.error.advice())).collect()
@@ -37,6 +43,38 @@ fn values_in_other_units_are_told_with_their_key_and_a_remedy() {
         assert_eq!(said.len(), 1, "{overrides:?}: {said:?}");
         assert!(parts.iter().all(|part| said[0].contains(part)), "{parts:?}: {said:?}");
     }
+}
+
+/// Shear and bulk moduli are checked as Young's modulus is; the shear modulus of a viscoelastic material at t = 0.
+#[test]
+fn shear_and_bulk_moduli_in_other_units_are_told() {
+    for (overrides, parts) in [
+        // In MPa: the shear modulus after relaxation, and all terms.
+        (
+            &["material.interlayer.shear=3", "material.interlayer.prony=[{modulus=7,time=1e-5},{modulus=4,time=1e-4}]"]
+                [..],
+            [
+                "material.interlayer.shear: the shear modulus of 1.400e1 Pa at t = 0",
+                "softer than rubber",
+                "2 GPa are 2e9",
+            ],
+        ),
+        (&["material.interlayer.bulk=2000"], ["material.interlayer.bulk: 2000 Pa is softer", "rubber", "in Pa"]),
+        (&["material.interlayer.bulk=2e15"], ["material.interlayer.bulk: 2", "stiffer than diamond", "in Pa"]),
+    ] {
+        let said = doubted_of(LAMINATE, overrides);
+        assert_eq!(said.len(), 1, "{overrides:?}: {said:?}");
+        assert!(parts.iter().all(|part| said[0].contains(part)), "{parts:?}: {said:?}");
+    }
+    // An elastic layer given by its shear modulus.
+    let elastic = LAMINATE.replace("young = 70e9", "shear = 28");
+    let said = doubted_of(&elastic, &["impactor.speed=0.001"]);
+    assert!(
+        matches!(&said[..], [one] if one.contains("material.glass.shear: 28 Pa is softer than rubber")),
+        "{said:?}"
+    );
+    // A material that relaxes to a shear modulus of zero is allowed, and plausible.
+    assert_eq!(doubted_of(LAMINATE, &["material.interlayer.shear=0"]), Vec::<String>::new());
 }
 
 /// A temperature in kelvin is told, for a material whose relaxation depends on it.
