@@ -18,6 +18,7 @@ pub const TESTS: &[Test<Session>] = tests![
     a_reduced_body_sinks_as_far,
     nothing_moves_before_the_hit,
     loads_do_not_change_the_impact_of_a_linear_body,
+    soft_springs_have_an_equilibrium,
     what_nothing_holds_has_no_equilibrium
 ];
 
@@ -169,6 +170,24 @@ fn loads_do_not_change_the_impact_of_a_linear_body(session: &Session) {
         };
         let first = energy(&loaded.steps[0]);
         assert!(loaded.steps.iter().all(|step| (energy(step) / first - 1.0).abs() < 1e-9));
+    }
+}
+
+/// On soft springs, a soft plate vibrates with a period of 15 s, longer than the longest step of the search. A stiff
+/// plate sinks so far that the rounding of K u is more than 1e-7 of the loads.
+fn soft_springs_have_an_equilibrium(session: &Session) {
+    for (young, stiffness) in [("7e6", "100"), ("70e9", "5000")] {
+        let soft = SIDES.replace("1e7", stiffness);
+        let text = scene(SOLID, &soft, "", "end = 1e-3\nstep = 1e-5\nscheme = \"newmark\"").replace("70e9", young);
+        let (_, impact) = start(&session.world(), &text);
+        let mut u = impact.state().u.duplicate().unwrap();
+        u.copy_from(&impact.state().u).unwrap();
+        let body = impact.into_body();
+        let mut reaction = u.duplicate().unwrap();
+        body.support.as_ref().unwrap().mult(&u, &mut reaction).unwrap();
+        let (held, load) = (body.translation.dot(&reaction).unwrap(), body.translation.dot(&body.load).unwrap());
+        println!("  {young} Pa: {load} N, {:.1e}", held / load - 1.0);
+        assert!((held / load - 1.0).abs() < 1e-6, "{held} {load}");
     }
 }
 
