@@ -50,8 +50,9 @@ impl Body {
         Some(part * 3.0 * (0..3).map(nodes).product::<f64>())
     }
 
-    /// Thickness that an impact along ±z meets first, m: the thickness of the impacted layer if the layers differ, else
-    /// `thickness`, the thickness of the whole body. Never more than `thickness`.
+    /// Length over which the body resembles a half-space of the impacted material, m: the thickness of the impacted
+    /// layer if the layers differ, else `thickness`, the thickness of the whole body along the impact. Never more than
+    /// `thickness`. If a side is hit, the impacted layer is a strip of the face, and its thickness is the strip's width.
     pub fn struck_thickness(&self, thickness: f64) -> f64 {
         match (&self.composition.parts, self.composition.uniform()) {
             (Parts::Layers(layers), None) => layers[self.composition.struck_layer].thickness.min(thickness),
