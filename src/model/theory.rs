@@ -85,7 +85,7 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
         && scene.body.composition.uniform().is_none()
     {
         let reason = match scene.body.composition.is_of_one_material() {
-            true => "its material relaxes, and this theory is elastic",
+            true => "its material is viscoelastic, and this theory is for elastic materials",
             false => "its layers are of different materials, and this theory has one",
         };
         return Err(reason.into());
@@ -271,4 +271,22 @@ fn of_grid(
         Assembled::InPetsc(Box::new(Body::of(&comm.session().alone(), &system)?))
     };
     Ok(Operators { body, discretisation, cells: Some(cells), cell_over_disc: None, evaluator, measures: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Layers of one viscoelastic material are not called different, and an elastic theory does not admit them.
+    #[test]
+    fn an_elastic_theory_does_not_admit_a_viscoelastic_material() {
+        let text = "[body]\nsize = [0.5, 0.5]\n[[body.layer]]\nthickness = 0.01\nmaterial = \"soft\"\n\
+             [material.soft]\ndensity = 1100.0\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
+             [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e8\nspeed = 1.0\n[time]\nend = 1e-3\n";
+        let (scene, _) = Scene::parse("scene", text, &[]).unwrap();
+        for theory in [Model::InfinitePlate, Model::Kirchhoff, Model::Mindlin] {
+            let reason = admits(&scene, theory).unwrap_err();
+            assert_eq!(reason, "its material is viscoelastic, and this theory is for elastic materials");
+        }
+    }
 }
