@@ -14,6 +14,7 @@ pub const TESTS: &[PlainTest] = tests![
     the_lower_one_of_two_limits,
     a_thickness_is_passed_up_to_its_limit,
     no_limit_in_the_range_is_an_answer,
+    values_in_other_units_are_doubted,
     the_run_at_the_limit_is_written,
     any_number_of_ranks_finds_the_same,
     what_cannot_be_searched_is_said,
@@ -102,6 +103,15 @@ fn no_limit_in_the_range_is_an_answer() {
     assert_eq!(facts(&everywhere)["outcome"], "passed_everywhere");
     let everywhere = good(&folder, 0, "limit scene.toml --vary impactor.speed=1..2");
     assert!(everywhere.stdout.contains("already exceeded at the lower end, and everywhere"), "{everywhere:#?}");
+}
+
+/// A strength in MPa in place of Pa is doubted, whether the scene gives it or the range.
+fn values_in_other_units_are_doubted() {
+    for (strength, range) in [(45.0, "impactor.speed=1..2"), (45e6, "strength.tension=20..80")] {
+        let outcome = good(&pane(strength), 0, &format!("limit scene.toml --vary {range}"));
+        let doubts = outcome.stderr.lines().filter(|line| line.contains("weaker than foam")).count();
+        assert!(doubts == 1 && outcome.stderr.contains("warning: scene.toml"), "{outcome:#?}");
+    }
 }
 
 fn the_run_at_the_limit_is_written() {

@@ -17,6 +17,7 @@ use crate::study::sweep::written;
 
 use super::interrupt::Interrupt;
 use super::load::{Loaded, load};
+use super::notes::Remark;
 use super::run::{Beginning, Replaced, Written, check_output, solve};
 use super::sweep::of_base;
 use super::{Limit, note, notes, tell, warn_of_unused_options};
@@ -49,7 +50,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
             check_output(&scene, output, Replaced::UnlessInterrupted)?;
             lock = Some(Lock::take(output)?);
         }
-        let odd = notes::texts(notes::of_values(&scene, &source));
+        let odd = notes::texts(odd_values((&scene, &source), &range)?);
         odd.iter().for_each(|warning| tell(format_args!("warning: {warning}")));
         note(format_args!("{}", header(&range)));
         Ok(())
@@ -92,6 +93,21 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     };
     drop(lock);
     Ok(status)
+}
+
+/// Remarks on values of the scene and of both ends of the range that are probably a mistake, one for each key. A range may
+/// be in another unit too.
+fn odd_values((scene, source): (&Scene, &Source), range: &Range) -> Result<Vec<Remark>> {
+    let mut remarks = notes::of_values(scene, source);
+    for end in [range.from, range.to] {
+        let (scene, source) = at(source, range, end)?;
+        for remark in notes::of_values(&scene, &source) {
+            if remarks.iter().all(|known| known.kind != remark.kind) {
+                remarks.push(remark);
+            }
+        }
+    }
+    Ok(remarks)
 }
 
 /// Refuses scenes without strength, and theories without faces.
