@@ -81,6 +81,7 @@ pub(super) fn table() -> Vec<BadScene> {
         edit("three edges with layers", LAMINATE, ("[0.5, 0.5]", "[0.5, 0.5, 0.02]"), &["the thickness is theirs", "0.02086"], ("body.size", "size")),
         edit("an unknown material", LAMINATE, ("material = \"interlayer\"", "material = \"interlayr\""), &["there is no material \"interlayr\"", "did you mean \"interlayer\"?"], ("body.layer.1.material", "material = \"interlayr\"")),
         edit("a material that nothing is made of", LAMINATE, ("[impactor]", "[material.steel]\nyoung = 210e9\npoisson = 0.3\ndensity = 7800\n[impactor]"), &["no layer is made of it"], ("material.steel", "[material.steel]")),
+        with("a material that an override leaves unused", &["body.layer.1.material=glass"], &["no layer is made of it (set by --set body.layer.1.material=glass)", "remove the table"], ("material.interlayer", 22)),
         edit("materials without layers", SMALL, ("young = 70e9\npoisson = 0.23\ndensity = 2500\n", "material.glass.young = 70e9\n"), &["unknown key"], ("body.material", "material.glass")),
         edit("an incompressible layer", LAMINATE, ("bulk = 2e9", "poisson = 0.5"), &["0.5 is out of range", "incompressible"], ("material.interlayer.poisson", "poisson = 0.5")),
         edit("a layer nearly incompressible", LAMINATE, ("bulk = 2e9", "bulk = 1e25"), &["incompressible", "bulk modulus"], ("material.interlayer.bulk", "bulk")),

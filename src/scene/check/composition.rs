@@ -122,8 +122,12 @@ fn layers(
     }
     let names: Vec<String> = raw.body.layer.0.iter().map(|layer| layer.material.clone()).collect();
     if let Some(unused) = known.iter().find(|name| names.iter().all(|used| used != *name)) {
-        let help = "take it out, or give it to a layer";
-        return Err(source.error(&format!("material.{unused}"), "no layer is made of it", help));
+        let help = "remove the table, or name the material in a layer";
+        // An override of a layer's material may be the cause.
+        let keys: Vec<String> = (0..names.len()).map(|number| format!("body.layer.{number}.material")).collect();
+        let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+        let message = "no layer is made of it".to_owned();
+        return Err(source.error_with(&format!("material.{unused}"), &keys, message, help));
     }
     Ok(Materials { parts: Parts::Layers(layers), keys: keys(&named), names })
 }
