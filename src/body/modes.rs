@@ -345,7 +345,13 @@ impl Spectrum {
                 of_relaxing = Some(forms);
                 (damped.modes, Some(damped.shapes), Some(damped.inputs))
             }
-            None => (vibrations(&squares, &force, &load), None, None),
+            None => {
+                let mut modes = vibrations(&squares, &force, &load);
+                if let Some(waves) = &self.short_waves {
+                    waves.damp(&mut modes, &moving);
+                }
+                (modes, None, None)
+            }
             Some(damping) => {
                 let Damped { modes, shapes, inputs } = damped(&squares, &block(damping), &force, &load)?;
                 (modes, Some(shapes), Some(inputs))

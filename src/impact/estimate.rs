@@ -117,6 +117,33 @@ impl Errors {
     }
 }
 
+/// Rule that estimates the error of a force from its difference from the force on another basis.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErrorRule {
+    /// Ratios of the errors to the differences.
+    pub factors: Errors,
+    /// Error that the difference does not show, for all quantities.
+    pub least: f64,
+}
+
+impl ErrorRule {
+    /// Returns a rule with the same factor for all quantities.
+    pub fn with_factor(factor: f64) -> Self {
+        Self { factors: Errors::throughout(factor), least: 0.0 }
+    }
+
+    /// Returns the errors for the given differences.
+    pub fn errors(&self, difference: Errors) -> Errors {
+        let Self { factors, least } = self;
+        let errors = Errors {
+            first_contact: factors.first_contact * difference.first_contact,
+            history: factors.history * difference.history,
+            stress: factors.stress * difference.stress,
+        };
+        errors.joined(Errors::throughout(*least))
+    }
+}
+
 /// Sums errors of causes that may have the same sign.
 impl Add for Errors {
     type Output = Self;

@@ -11,7 +11,7 @@ use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_plate};
 use super::trials::{Trial, Trials};
 use super::watch::{Stage, Watch};
-use crate::body::{DirectSum, ModalBody, Projection};
+use crate::body::{DirectSum, InfinitePlate, ModalBody};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
@@ -114,6 +114,9 @@ pub struct CellSize {
 /// coarser cells carry no more waves, and with all vectors the difference was ten times the error.
 const MAX_COMPARED_VECTORS: usize = 800;
 
+/// Number of basis vectors over that on which cells are compared, if the echoes of short waves are computed in closed form.
+const COMPARED_BESIDE_ECHOES: f64 = 1.8;
+
 /// Largest value of unknowns times the square of the number of vectors for which cells are still refined. Such a basis
 /// takes some five seconds, and one on finer cells at least as long. Beyond this value the remaining discretisation
 /// error is reported with the results.
@@ -198,9 +201,13 @@ fn ratio(axes: &[(usize, usize)]) -> f64 {
 impl Fitted {
     /// Number of basis vectors on which cells are compared.
     fn compared(&self) -> usize {
-        let [smaller, _] = self.reduced.counts();
-        let Projection { infinite_plate, .. } = &self.reduced.projection;
-        if infinite_plate.is_some() { smaller } else { self.reduced.projection.vectors().min(MAX_COMPARED_VECTORS) }
+        let [smaller, vectors] = self.reduced.counts();
+        match &self.reduced.projection.infinite_plate {
+            // Both bases have the same number of vectors.
+            Some(InfinitePlate { rectangle: Some(_), .. }) => (vectors as f64 / COMPARED_BESIDE_ECHOES).ceil() as usize,
+            Some(_) => smaller,
+            None => self.reduced.projection.vectors().min(MAX_COMPARED_VECTORS),
+        }
     }
 
     /// The force on the basis, or on the first `vectors` vectors of a longer one.
@@ -321,8 +328,8 @@ pub(super) fn of_other_bases(scene: &Scene) -> Errors {
     Errors::throughout(BASIS_SHARE * scene.tolerance)
 }
 
-/// Largest allowed discretisation error: its share of the tolerance, or more if steps and the `others` need less. For
-/// stresses only the share is allowed, because the local fields have an error too.
+/// Largest allowed discretisation error: its share of the tolerance, or more if steps and the `others` need less, or less
+/// if the `others` need more. For stresses only the share is allowed, because the local fields have an error too.
 fn allowed(scene: &Scene, others: Errors) -> f64 {
     let own = CELL_SHARE * scene.tolerance;
     match scene.measure {

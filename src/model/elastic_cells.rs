@@ -18,7 +18,7 @@ use super::watch::Watch;
 use crate::body::{Assembled, rates};
 use crate::description::Description;
 use crate::error::{Error, Result};
-use crate::impact::Errors;
+use crate::impact::{ErrorRule, Errors};
 use crate::scene::{Body, Layer, Model, Parts, Scene};
 use crate::space::plate::MODULI_TIME_OVER_CONTACT;
 
@@ -83,7 +83,7 @@ const MORE: f64 = 1.1;
 /// square of that number.
 fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
     let [fewer, more] = reduced.counts();
-    if reduced.of_difference == 0.0 {
+    if reduced.rule == ErrorRule::default() {
         return more;
     }
     let error = ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * reduced.difference.of(scene.measure);

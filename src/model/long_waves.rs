@@ -16,6 +16,12 @@ const MEASURED: f64 = 5e-3;
 /// Order of convergence in the number of vectors.
 pub(super) const ORDER: f64 = 2.4;
 
+/// Ratio of the frequency that a basis must resolve without echoes to ω_c of a basis with echoes in closed form.
+const RESOLVED_OVER_BASIS: f64 = 3.4;
+
+/// The same if waves that the corners scatter meet at the impact point.
+const RESOLVED_OVER_BASIS_BETWEEN_CORNERS: f64 = 2.8;
+
 /// Least number of vectors from which a plate's short waves are treated separately. With all waves the basis of a pane
 /// needs three times as many vectors.
 const SHORT_WAVES_APART: usize = 100;
@@ -23,7 +29,7 @@ const SHORT_WAVES_APART: usize = 100;
 /// The long waves that a basis resolves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LongWaves {
-    /// Highest resolved frequency, rad/s.
+    /// Highest frequency ω_c of the modes in the basis, rad/s.
     pub frequency: f64,
     /// Number of basis vectors.
     pub vectors: usize,
@@ -42,8 +48,19 @@ impl LongWaves {
         let of_error = (MEASURED / (BASIS_SHARE * scene.tolerance)).powf(1.0 / ORDER);
         let frequency =
             TAU * FREQUENCY_TIMES_RISE * of_error / plate.rise(scene.impactor.stiffness, scene.impactor.speed);
-        let vectors = plate.vectors(frequency);
-        let is_long = (SHORT_WAVES_APART..=most).contains(&vectors) && !plate.is_near_edge(frequency);
-        is_long.then_some(Self { frequency, vectors })
+        let all = plate.clone().with_echoes(None).vectors(frequency);
+        if all < SHORT_WAVES_APART || plate.is_near_edge(frequency) {
+            return None;
+        }
+        let over_basis = match &plate.rectangle {
+            None => 1.0,
+            Some(rectangle) if rectangle.do_corner_waves_meet() => RESOLVED_OVER_BASIS_BETWEEN_CORNERS,
+            Some(_) => RESOLVED_OVER_BASIS,
+        };
+        // Counting one by one takes long, and is needless if the area gives far too many modes.
+        let is_countable = all as f64 <= 2.0 * over_basis * most as f64;
+        let frequency = frequency / over_basis;
+        let vectors = if is_countable { plate.vectors(frequency) } else { all };
+        (vectors <= most).then_some(Self { frequency, vectors })
     }
 }

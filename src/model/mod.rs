@@ -1,5 +1,6 @@
 //! Selects the theory for a scene's body, reduces the body to a basis, and runs impacts on it.
 
+mod beside_echoes;
 mod cells;
 mod elastic_cells;
 mod layers;
@@ -29,7 +30,7 @@ use petsc_wrap::Comm;
 use crate::body::{Body, ModalBody};
 use crate::contact::Patch;
 use crate::error::Result;
-use crate::impact::{Cause, ErrorEstimate, Errors};
+use crate::impact::{Cause, ErrorEstimate, ErrorRule, Errors};
 use crate::mesh::Measures;
 use crate::scene::{self, Scene};
 use crate::solve::Method;
@@ -48,8 +49,8 @@ pub struct Model {
     pub discretisation: String,
     /// Number of basis vectors, if the body is reduced.
     pub vectors: Option<usize>,
-    /// The body reduced to another basis, and the factor from the difference of the two to the error.
-    pub judge: Option<(ModalBody, f64)>,
+    /// The body reduced to another basis, and the rule that estimates the error from the difference of the two.
+    pub judge: Option<(ModalBody, ErrorRule)>,
     /// Estimated error by basis, discretisation and theory, as far as each is known.
     pub error: ErrorEstimate,
     /// Reason for this theory, if it was selected automatically.
@@ -123,7 +124,7 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
-        let Reduced { projection, judge, of_difference, krylov, error, modal, modal_of_judge, .. } = reduced;
+        let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, .. } = reduced;
         let vectors = projection.vectors();
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
@@ -134,8 +135,7 @@ impl Model {
         } else {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
-        let (vectors, judge) =
-            (Some(vectors), Some((modal_of_judge.unwrap_or_else(|| ModalBody::of(&judge)), of_difference)));
+        let (vectors, judge) = (Some(vectors), Some((modal_of_judge.unwrap_or_else(|| ModalBody::of(&judge)), rule)));
         let model = Self { vectors, judge, gauges, measures, ..Self::bare(theory, dynamics, unknowns, discretisation) };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {

@@ -4,9 +4,10 @@ use petsc_wrap::Comm;
 
 use crate::body::{DirectSum, LinearBody, ModalBody, Projection, SHIFT_OVER_CUTOFF, Start};
 use crate::error::{Error, Result};
-use crate::impact::{Errors, Steps, Trace};
+use crate::impact::{ErrorRule, Errors, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
+use super::beside_echoes;
 use super::long_waves::{LongWaves, ORDER};
 use super::trials::{Trial, Trials};
 use super::watch::{Judged, Stage, Watch};
@@ -74,8 +75,8 @@ pub struct Reduced {
     pub judge: Projection,
     /// Contact force on the other basis, in the same time steps.
     pub force_of_judge: Trace,
-    /// Factor from the difference of the two bases to the error.
-    pub of_difference: f64,
+    /// Estimates the error from the difference of the forces on the two bases.
+    pub rule: ErrorRule,
     /// Difference of the forces on the two bases.
     pub difference: Errors,
     /// Vectors of the larger of the two bases.
@@ -106,7 +107,7 @@ impl Reduced {
 
     /// The body reduced to the larger basis.
     pub fn larger(&self) -> &Projection {
-        [&self.projection, &self.judge].into_iter().max_by_key(|projection| projection.vectors()).unwrap_or(&self.judge)
+        if self.judge.vectors() > self.projection.vectors() { &self.judge } else { &self.projection }
     }
 
     /// The body on the larger basis in modal coordinates, with the modes computed before if there are any.
@@ -140,7 +141,12 @@ pub fn reduce_from(
     watch: &dyn Watch,
 ) -> Result<Reduced> {
     watch.at(Stage::Factor)?;
-    let Plan { start, first } = Plan::new(body, scene);
+    let plan = Plan::new(body, scene);
+    if watch.decided(plan.has_echoes) {
+        let served = served.map(|[_, vectors]| vectors);
+        return beside_echoes::reduce(comm, body, scene, &plan, served, watch);
+    }
+    let Plan { start, vectors: first, .. } = plan;
     let mut krylov = DirectSum::new(body, start)?;
     let given = match scene.body.reduction {
         Reduction::Vectors(vectors) => Some(vectors),
@@ -170,7 +176,7 @@ pub fn reduce_from(
                     judge: projection.clone(),
                     projection,
                     force_of_judge: force.clone(),
-                    of_difference: 0.0,
+                    rule: ErrorRule::default(),
                     difference: Errors::default(),
                     krylov,
                     error: Errors::default(),
@@ -210,7 +216,7 @@ pub fn reduce_from(
                             projection,
                             judge,
                             force_of_judge: of_judge.force,
-                            of_difference: judgement.of_difference,
+                            rule: ErrorRule::with_factor(judgement.of_difference),
                             difference: judgement.difference,
                             krylov,
                             error,
@@ -349,7 +355,9 @@ pub(super) struct Plan {
     /// Shift, duration of the run and kind of the vectors.
     pub start: Start,
     /// Number of vectors of the first basis that is tried.
-    first: usize,
+    pub(super) vectors: usize,
+    /// Whether the basis leaves out short waves whose echoes are computed in closed form.
+    pub(super) has_echoes: bool,
 }
 
 impl Plan {
@@ -358,7 +366,8 @@ impl Plan {
     pub(super) fn new(body: &dyn LinearBody, scene: &Scene) -> Self {
         // A basis must not depend on the end time of a run that may be continued.
         let end = if scene.time.modal { scene.time.end } else { f64::INFINITY };
-        let short = Self { start: Start { end, ..Start::from(rate(scene)) }, first: FIRST_VECTORS };
+        let short =
+            Self { start: Start { end, ..Start::from(rate(scene)) }, vectors: FIRST_VECTORS, has_echoes: false };
         // Separate outgoing waves are not available for viscoelastic bodies either.
         let is_bound = body.is_on_foundations() || !body.chains().is_empty();
         let plate = body.infinite_plate().filter(|_| !is_bound);
@@ -366,10 +375,12 @@ impl Plan {
         let Some(LongWaves { frequency, vectors }) = plate.and_then(|plate| LongWaves::of(scene, plate, most)) else {
             return short;
         };
-        // The first basis is the smaller one in the comparison with the second.
         let in_blocks = scene.tolerance >= LEAST_TOLERANCE_OF_BLOCKS;
         let start = Start { shift: SHIFT_OVER_CUTOFF * frequency, end, leaves_short_waves: true, in_blocks };
-        Self { start, first: (vectors as f64 / 1.5).ceil() as usize }
+        let has_echoes = plate.is_some_and(|plate| plate.rectangle.is_some());
+        // The first basis is the smaller one in the comparison with the second, if there are two.
+        let vectors = if has_echoes { vectors } else { (vectors as f64 / 1.5).ceil() as usize };
+        Self { start, vectors, has_echoes }
     }
 }
 

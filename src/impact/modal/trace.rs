@@ -62,7 +62,8 @@ impl Trace {
         let end = self.first_end().max(other.first_end());
         let within = |trace: &Self| trace.tension.iter().filter(|(time, _)| *time <= end).copied().collect::<Vec<_>>();
         let (own, others) = (within(self), within(other));
-        if own.is_empty() || others.is_empty() {
+        let is_unknown = |all: &[(f64, f64)]| all.is_empty() || all.iter().any(|(_, tension)| tension.is_nan());
+        if is_unknown(&own) || is_unknown(&others) {
             return f64::NAN;
         }
         let peak = |all: &[(f64, f64)]| all.iter().map(|(_, tension)| *tension).fold(f64::MIN_POSITIVE, f64::max);

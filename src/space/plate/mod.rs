@@ -48,6 +48,9 @@ pub struct Settings {
     pub cell_size_factor: f64,
     /// Additional factor on the size of the largest cells alone.
     pub largest_cell_factor: f64,
+    /// Whether the echoes of short waves are computed in closed form, if the plate admits that. A cell as wide as the
+    /// thickness then lies along each edge: it resolves the boundary layer of Mindlin's theory, as closed forms do.
+    pub has_echoes_in_closed_form: bool,
     /// Shear factor κ of Mindlin's theory. Default: 5/(6 − ν).
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc divided by the thickness, if the disc fits within the plate.
@@ -86,6 +89,7 @@ impl Default for Settings {
         Self {
             cell_size_factor: 1.0,
             largest_cell_factor: 1.0,
+            has_echoes_in_closed_form: false,
             shear_factor: None,
             disc: 2.0,
             disc_radius: None,
@@ -237,7 +241,9 @@ impl Plate {
             lines[geometry.normal] = geometry.across_plate(&laminate.profile.heights);
         }
         geometry.axes.into_iter().zip(in_plane).for_each(|(axis, of_axis)| lines[axis] = of_axis);
-        let points = Points { geometry, section, lines, tensor, theory, local, laminate };
+        let rectangle = waves::rectangle(scene, &geometry, &section, theory);
+        let rectangle = rectangle.filter(|_| settings.has_echoes_in_closed_form);
+        let points = Points { geometry, section, lines, tensor, theory, local, laminate, rectangle };
         let mirrors = points.geometry.mirrors();
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &mirrors }, &description)?;
         let (multiplicity, classes) = (points.geometry.multiplicity(), points.geometry.classes.len());

@@ -13,7 +13,7 @@ use super::member::Computed;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{self, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
+use crate::impact::{self, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
 use crate::model::{BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, Linearity, Model, are_edges_held, largest_linear};
 use crate::record::stress::{LargestTension, strengths};
@@ -47,7 +47,7 @@ pub struct Bodies<'a> {
 struct Kept {
     body: ModalBody,
     theory: scene::Model,
-    judge: Option<(ModalBody, f64)>,
+    judge: Option<(ModalBody, ErrorRule)>,
     unknowns: usize,
     /// Readout of the stresses on faces.
     readout: Option<Readout>,
@@ -252,7 +252,7 @@ impl<'a> Bodies<'a> {
             Kept {
                 body,
                 theory,
-                judge: Some((larger, ERROR_FACTOR_OF_SMALLER)),
+                judge: Some((larger, ErrorRule::with_factor(ERROR_FACTOR_OF_SMALLER))),
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
                 of_model: of_theory.joined(Errors { first_contact, history: of_merging, stress: f64::NAN }),
@@ -346,11 +346,11 @@ impl Kept {
             return self.simulate(scene, true, interrupted);
         }
         let mut of_basis = Errors::default();
-        if let Some((judge, of_difference)) = &self.judge {
+        if let Some((judge, rule)) = &self.judge {
             let Some((force, taken)) = impact.force() else { return Ok(None) };
             let own = with_chains(judge)?;
             let judge = own.as_ref().unwrap_or(judge);
-            of_basis = *of_difference * force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0);
+            of_basis = rule.errors(force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0));
         }
         let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
         let all = of_basis.joined(self.of_model).joined(of_patch);

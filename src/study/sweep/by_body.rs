@@ -8,7 +8,7 @@ use crate::description::Description;
 use crate::form;
 use crate::material::Maxwell;
 use crate::model::rate;
-use crate::scene::{self, Contact, Impactor, Initial, Load, Scene, Support, Vec3};
+use crate::scene::{self, Contact, Impactor, Initial, Load, Measure, Scene, Support, Vec3};
 use crate::space::MODULI_TIME_OVER_CONTACT;
 
 /// All properties of a scene that its body depends on.
@@ -21,6 +21,7 @@ pub struct BodyOf {
     contact: Contact,
     load: Load,
     initial: Initial,
+    measure: Measure,
     stress: bool,
     /// Bulk moduli of the viscoelastic materials, Pa, as rounded text.
     bulk: Vec<String>,
@@ -81,7 +82,7 @@ impl BodyOf {
     }
 
     fn relaxing_anyhow(scene: &Scene) -> Self {
-        let Scene { mut body, supports, impactor, contact, load, time, output, .. } = scene.clone();
+        let Scene { mut body, supports, impactor, contact, load, time, output, measure, .. } = scene.clone();
         let Impactor { point, direction, .. } = impactor;
         let (mut bulk, mut chains, mut alike) = (Vec::new(), Vec::new(), Vec::new());
         for material in body.composition.materials_mut() {
@@ -95,7 +96,7 @@ impl BodyOf {
         }
         body.temperature = None;
         let (initial, stress, local, rates) = (time.initial, output.stress, Vec::new(), Vec::new());
-        Self { body, supports, point, direction, contact, load, initial, stress, bulk, alike, local, rates }
+        Self { body, supports, point, direction, contact, load, initial, measure, stress, bulk, alike, local, rates }
     }
 
     fn hash(&self) -> u64 {
