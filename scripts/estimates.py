@@ -34,6 +34,7 @@ class Result:
             facts = file.attrs
             self.estimates = {"acceleration": float(facts["error_estimate"]), "tension": float(facts["stress_error_estimate"])}
             self.theory, self.seconds = facts["model"], float(facts["wall_time_total"])
+            self.reduction = facts["reduction"]
 
     def errors(self, reference):
         """Largest difference of the acceleration over its peak; that of the tension on the lower face, linear between the recorded steps,
