@@ -56,9 +56,9 @@ const LEAST_TOLERANCE: f64 = 4e-3;
 /// A scene's plate with the springs along its edges, for waves of Mindlin's theory.
 ///
 /// `None` if its waves are not computed in closed form: if parts of the edges or of the faces have supports, which
-/// reflect waves too, or if there are dampers or foundation pads. Also `None` if the basis must contain the short
-/// waves: if the tolerance is small or applies to tensions, if other points than the hit are read, and if loads or
-/// moving supports act.
+/// reflect waves too, or if there are dampers or foundation pads. Also `None` if the basis must contain the short waves:
+/// if the tolerance is small or applies to tensions, if a strength is given, if other points than the hit are read, and
+/// if loads or moving supports act.
 pub(super) fn rectangle(
     scene: &Scene,
     geometry: &PlateGeometry,
@@ -66,9 +66,10 @@ pub(super) fn rectangle(
     theory: PlateTheory,
 ) -> Option<RectangularPlate> {
     let is_tolerance_large = scene.measure == Measure::Acceleration && scene.tolerance >= LEAST_TOLERANCE;
+    let are_others_read = scene.strength.is_given() || scene.output.has_points();
     let is_loaded =
         scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
-    if theory != PlateTheory::Mindlin || !is_tolerance_large || is_loaded || scene.output.has_points() {
+    if theory != PlateTheory::Mindlin || !is_tolerance_large || is_loaded || are_others_read {
         return None;
     }
     let mut edges = [[EdgeSprings::default(); 2]; 2];
@@ -226,6 +227,7 @@ mod tests {
         assert!(!is_known("[load]\ngravity = [0.0, 0.0, -9.81]"));
         assert!(!is_known("[accuracy]\ntolerance = 1e-3"));
         assert!(!is_known("[accuracy]\nquantity = \"stress\""));
+        assert!(!is_known("[strength]\ntension = 45e6"));
         assert!(!is_known("[output]\nprobes = [{ name = \"edge\", point = [0.4, 0.1, 0.0] }]"));
     }
 }
