@@ -1,4 +1,4 @@
-"""meshed_table.py OUT DOC: bodies on meshes and a window pane, ricochet beside the quickest peer, as a table of DOC; see scripts/meshed."""
+"""meshed_table.py OUT DOC: bodies on meshes, ricochet beside the quickest peer, as a table of DOC; see scripts/meshed."""
 
 import csv
 import sys
@@ -9,7 +9,7 @@ import numpy as np
 
 from markers import replace, table
 
-BODIES = {"hole": "round plate with a hole", "cylinder": "cylinder", "pane": "window pane"}
+BODIES = {"hole": "round plate with a hole", "cylinder": "cylinder"}
 TOLERANCE = 1e-2
 HEAD = ["body", "mesh", "unknowns", "vectors", "ricochet", "its error (estimate)", "peer: vectors", "time", "error", "over ricochet's"]
 
@@ -71,11 +71,9 @@ def per_cent(value):
     return f"{100 * value:.2g}%"
 
 
-def line(name, mesh, folder, reference=None):
+def line(name, mesh, folder):
     """A row: ricochet at its tolerance, and the quickest of the peer's runs within it."""
-    runs = sorted(peers(folder), key=lambda run: run[0])
-    if reference is None:
-        *runs, (_, _, reference) = runs
+    *runs, (_, _, reference) = sorted(peers(folder), key=lambda run: run[0])
     end = first_contact(reference.time, reference.acceleration)
     facts, own = of_ricochet(folder / "ricochet-1e-2.h5")
     within = [(vectors, time, error) for vectors, time, history in runs if (error := history.error(reference, end)) <= TOLERANCE]
@@ -95,11 +93,7 @@ def main():
     folders = [folder for folder in out.iterdir() if folder.is_dir()]
     for folder in sorted(folders, key=lambda folder: (list(BODIES).index(folder.name.split("-")[0]), folder.name)):
         body, *mesh = folder.name.split("-")
-        if body == "pane":
-            _, reference = of_ricochet(folder / "ricochet-1e-3.h5")
-            rows.append(line(BODIES[body], "none", folder, reference))
-        else:
-            rows.append(line(BODIES[body], mesh[0], folder))
+        rows.append(line(BODIES[body], mesh[0], folder))
     replace(document, "meshed", table(HEAD, rows))
 
 
