@@ -108,6 +108,8 @@ pub(super) fn coordinates(modes: &Modes, state: &State) -> Vibration {
     if let Some([places, speeds]) = &modes.forms.damped {
         return (real_parts(places, z), real_parts(speeds, z));
     }
-    let speeds = DVector::from_iterator(z.len(), z.iter().map(|z| z.re));
+    // The coordinates of short waves, after those of the vibrations, are not part of x and v.
+    let count = modes.forms.frequencies.len();
+    let speeds = DVector::from_iterator(count, z.iter().take(count).map(|z| z.re));
     (modes.places(z), speeds)
 }
