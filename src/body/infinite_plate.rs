@@ -106,8 +106,7 @@ impl InfinitePlate {
         let Some(rectangle) = &self.rectangle else {
             return modes / self.modes;
         };
-
-        // Short edges change the number of modes that follows from the area.
+        // The edges change the number of modes that follows from the area.
         let estimate = modes / self.modes;
         let ends = [1.0, 1.3, 1.7, 2.2, 3.0].map(|factor| factor * estimate);
         let between = |end: f64| {

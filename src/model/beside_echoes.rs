@@ -1,4 +1,4 @@
-//! Reduces a plate whose short waves are known in closed form to a basis of its longer waves.
+//! Reduces a plate whose short waves are computed in closed form to a basis of its longer waves.
 //!
 //! The modes above ω_c in closed form neglect the waves that corners scatter, so that the error falls slowly with the
 //! number of vectors. The force is compared with that on half as many modes of the same basis: modes in closed form

@@ -37,13 +37,13 @@ pub(super) struct StandingWaves {
 }
 
 impl StandingWaves {
-    /// Wronskian w₀ w₁' − w₀' w₁ up to its sign, 1/m. It vanishes if both waves are one.
+    /// Wronskian w₀ w₁' − w₀' w₁ up to its sign, 1/m. It vanishes if both waves are proportional.
     pub fn wronskian(&self) -> f64 {
         let Self { lower, upper, half } = self;
         lower.at(*half) * upper.slope(*half) + lower.slope(*half) * upper.at(*half)
     }
 
-    /// Ratio |w₀/w₁| of both waves if they are one.
+    /// Ratio |w₀/w₁| of both waves if they are proportional.
     pub fn ratio(&self) -> f64 {
         let size = |wave: &StandingWave| wave.at(self.half).hypot(self.half * wave.slope(self.half));
         size(&self.lower) / size(&self.upper)

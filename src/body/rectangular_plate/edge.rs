@@ -40,7 +40,7 @@ impl StandingWave {
     /// Standing wave that satisfies the conditions at an edge, for the squared wavenumbers `squares`.
     ///
     /// The bending wave ξ² = k² + q², with k across and q along the edge, is accompanied by a bending wave and a
-    /// twisting wave that decay from the edge. The waves have w = Σ w_i and the rotations θ = Σ (σ_i − 1) ∇w_i + curl
+    /// thickness-twist wave that decay from the edge. The waves have w = Σ w_i and the rotations θ = Σ (σ_i − 1) ∇w_i + curl
     /// H, with σ = ρhω²/(κμh ξ²) for each wavenumber ξ (R. D. Mindlin, J. Appl. Mech. 18, 1951). The amplitudes of the
     /// four waves (cosine, sine and both decaying ones) satisfy three conditions: the shear force, the bending moment
     /// and the twisting moment are those of the springs.

@@ -138,7 +138,7 @@ fn short_waves_act_as_those_of_a_basis(session: &Session) {
     assert!(error <= estimates && estimates < 1e-3, "{error:e} {estimates:e}");
 }
 
-/// The echoes of a pane's short waves, from free and from hinged edges, are known in closed form. The force on a third
+/// The echoes of a pane's short waves, from free and simply supported edges, are computed in closed form. The force on a third
 /// of the vectors equals that on a basis which contains the echoes, within the estimated errors of both.
 fn echoes_in_closed_form_act_as_those_of_a_basis(session: &Session) {
     let comm = session.world();
