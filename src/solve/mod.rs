@@ -1,6 +1,5 @@
-//! Solution of linear and nonlinear systems on top of PETSc's solvers: default methods, packages and tolerances.
-//!
-//! PETSc's options override all of these defaults.
+//! Solution of linear and nonlinear systems on top of PETSc's solvers: default methods, packages and tolerances, which
+//! PETSc's options override; and roots of functions of one variable.
 
 mod blocks;
 mod incomplete;
@@ -8,6 +7,7 @@ mod lanes;
 pub mod linear;
 mod newton;
 mod ordering;
+pub mod root;
 mod substructure;
 pub mod triangle;
 

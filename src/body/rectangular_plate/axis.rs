@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
+use crate::solve::root::RootSearch;
+
 use super::edge::{SquaredWavenumbers, StandingWave};
 use super::{BendingWaves, EdgeSprings};
 
-/// Largest number of iterations for a wavenumber, and the change over the spacing of wavenumbers at which they end.
-const MAX_ITERATIONS: usize = 60;
+/// Change of a wavenumber over the spacing of wavenumbers at which its search ends.
 const CHANGE: f64 = 1e-11;
 
 /// Smallest squared wavenumber of a wave along an edge, over that along the edge. Edge waves have values above −0.03 on
@@ -79,31 +80,22 @@ impl Axis<'_> {
         let lowest = if number < 2 { UNIFORM * spacing } else { (number - 1) as f64 * spacing };
         let highest = (number as f64 + 1.5) * spacing;
         if number >= 2 || real(lowest) < 0.0 {
-            let guess = guess.max(0.0).sqrt();
-            return Some(root(real, [lowest, highest], guess, self.length, CHANGE * spacing).powi(2));
+            let search = RootSearch {
+                bracket: [lowest, highest],
+                guess: guess.max(0.0).sqrt(),
+                slope: self.length,
+                change: CHANGE * spacing,
+            };
+            return Some(search.root(real).powi(2));
         }
         let decaying = |square: f64| self.pair(square, along).angle() - turns;
         let [lower, upper] = [LOWEST_SQUARE * along, lowest * lowest];
-        (decaying(lower) < 0.0)
-            .then(|| root(decaying, [lower, upper], guess, self.length / spacing, CHANGE * spacing * spacing))
+        let search = RootSearch {
+            bracket: [lower, upper],
+            guess,
+            slope: self.length / spacing,
+            change: CHANGE * spacing * spacing,
+        };
+        (decaying(lower) < 0.0).then(|| search.root(decaying))
     }
-}
-
-/// Root between two arguments of a function that increases from a negative to a positive value, by secants from a first
-/// guess with a slope.
-fn root(value: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], guess: f64, mut slope: f64, change: f64) -> f64 {
-    let within = |at: f64, [low, high]: [f64; 2]| if low < at && at < high { at } else { 0.5 * (low + high) };
-    let mut at = within(guess, [low, high]);
-    let mut found = value(at);
-    for _ in 0..MAX_ITERATIONS {
-        *(if found < 0.0 { &mut low } else { &mut high }) = at;
-        let next = within(at - found / slope, [low, high]);
-        if found == 0.0 || (next - at).abs() <= change {
-            return if found == 0.0 { at } else { next };
-        }
-        let there = value(next);
-        slope = (there - found) / (next - at);
-        (at, found) = (next, there);
-    }
-    at
 }

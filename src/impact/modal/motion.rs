@@ -3,6 +3,7 @@
 use crate::body::Modes;
 use crate::contact::Law;
 use crate::error::{Error, Result};
+use crate::solve::root::RootSearch;
 
 use super::foundations::{FoundationForces, FoundationState};
 use super::stage::{Stage, solve, solve_damped};
@@ -10,6 +11,9 @@ use super::step_response::{FreeBody, SAMPLE_POINTS, State, StepResponse, Surface
 
 /// Largest number of halvings of the step.
 const LEVELS: usize = 40;
+
+/// Change of the time at which the search for the beginning or the end of a contact ends, relative to the step.
+const TIME_ROUNDING: f64 = 1e-11;
 
 /// Choice of the time steps.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -186,16 +190,21 @@ impl<'a> Motion<'a> {
         self.force = self.law.damped(self.approach, self.rate()).force;
         // Contact begins with small steps, since F ∝ t^{3/2} is not close to a quadratic.
         self.level = if self.steps.defect.is_some() { 3 } else { 0 }.max(self.coarsest);
-        let (mut low, mut high) = (
-            if sample == 0 { 0.0 } else { SAMPLE_POINTS[sample - 1] * table.step },
-            SAMPLE_POINTS[sample] * table.step,
-        );
+        let before = if sample == 0 { 0.0 } else { SAMPLE_POINTS[sample - 1] * table.step };
+        let after = SAMPLE_POINTS[sample] * table.step;
         self.put_back(table);
         if sample == 0 && self.approach >= 0.0 {
             return Ok(None);
         }
-        let mut at = (if sample == 0 { self.approach } else { free[sample - 1] }, free[sample]);
-        let touch = find(None, &mut low, &mut high, &mut at, |t| self.flown(t));
+        let above = if sample == 0 { self.approach } else { free[sample - 1] };
+        let slope = (free[sample] - above) / (after - before);
+        let search = RootSearch {
+            bracket: [before, after],
+            guess: before - above / slope,
+            slope,
+            change: TIME_ROUNDING * after,
+        };
+        let touch = search.root(|time| self.flown(time));
         if touch <= 0.0 {
             return Ok(None);
         }
@@ -293,20 +302,19 @@ impl<'a> Motion<'a> {
             let stage = motion.solve(&table, first, true);
             (table, stage)
         };
-        let end = |step: f64| match solved(self, step).1 {
-            Some((stage, _)) => stage.approach[3],
+        let below = |step: f64| match solved(self, step).1 {
+            Some((stage, _)) => -stage.approach[3],
             None => f64::NAN,
         };
-        // A shorter step has a different force, so δ may become zero slightly later than in the longer step.
-        let later = [1.0, 1.1, 1.3, 1.7].map(|part| part * length);
-        let (mut high, beyond) = later.into_iter().map(|t| (t, end(t))).find(|(_, beyond)| *beyond < 0.0)?;
-        let (mut low, mut at) = match if before > 0.0 { end(before) } else { 0.0 } {
-            above if above > 0.0 => (before, (above, beyond)),
-            // δ at the beginning of the step may itself be zero.
-            _ if self.approach > 0.0 => (0.0, (self.approach, beyond)),
-            _ => return None,
+        // δ at the beginning of the step may itself be zero.
+        let low = match self.approach > 0.0 {
+            true => 0.0,
+            false => Some(before).filter(|before| *before > 0.0 && below(*before) < 0.0)?,
         };
-        let step = find(Some(guess), &mut low, &mut high, &mut at, end);
+        // A shorter step has a different force, so δ may become zero slightly later than in the longer step.
+        let high = [1.0, 1.1, 1.3, 1.7].map(|part| part * length).into_iter().find(|end| below(*end) > 0.0)?;
+        let search = RootSearch { bracket: [low, high], guess, slope: -self.rate(), change: TIME_ROUNDING * length };
+        let step = search.root(below);
         let (table, stage) = solved(self, step);
         let (Stage { force, approach, .. }, pulled) = stage?;
         let taken = self.take(&table, force, approach, pulled);
@@ -384,45 +392,4 @@ fn zero(approach: &[f64; 4], begin: f64, sample: usize) -> f64 {
     let (slope, bend) = (0.5 * (4.0 * b - 3.0 * c - a), 0.5 * (a - 2.0 * b + c));
     let back = -2.0 * c / (slope + (slope * slope - 4.0 * bend * c).max(0.0).sqrt());
     0.25 * (last as f64 - back.clamp(0.0, 1.0))
-}
-
-/// Finds a zero between two points with known values by the method of false position (Illinois variant), starting from
-/// a guess if there is one.
-fn find(
-    guess: Option<f64>,
-    low: &mut f64,
-    high: &mut f64,
-    at: &mut (f64, f64),
-    mut value: impl FnMut(f64) -> f64,
-) -> f64 {
-    let scale = at.0.abs().max(at.1.abs());
-    let (mut kept, mut best) = (0, if at.0.abs() < at.1.abs() { (at.0.abs(), *low) } else { (at.1.abs(), *high) });
-    let mut guess = guess.filter(|guess| *guess > *low && *guess < *high);
-    for _ in 0..100 {
-        let next = guess.take().unwrap_or((*low * at.1 - *high * at.0) / (at.1 - at.0));
-        if !(next > *low && next < *high) || *high - *low <= 4.0 * f64::EPSILON * *high {
-            break;
-        }
-        let here = value(next);
-        if here.abs() < best.0 {
-            best = (here.abs(), next);
-        }
-        if here.abs() <= 1e-13 * scale || here.is_nan() {
-            break;
-        }
-        if (here > 0.0) == (at.1 > 0.0) {
-            (*high, at.1) = (next, here);
-            if kept == 1 {
-                at.0 *= 0.5;
-            }
-            kept = 1;
-        } else {
-            (*low, at.0) = (next, here);
-            if kept == -1 {
-                at.1 *= 0.5;
-            }
-            kept = -1;
-        }
-    }
-    best.1
 }
