@@ -9,7 +9,7 @@ use petsc_wrap::Comm;
 
 use crate::body::{DirectSum, LinearBody, Projection};
 use crate::error::{Error, Result};
-use crate::impact::{ErrorRule, Errors, Trace};
+use crate::impact::{ErrorRule, Errors};
 use crate::scene::Scene;
 
 use super::reduce::{MAX_VECTORS_PER_CLASS, Plan, Reduced, grow};
@@ -73,8 +73,9 @@ pub(super) fn reduce(
         let is_last = watch.decided(count >= most || krylov.is_exhausted());
         let mut growth = GROWTH_IF_UNSOLVED;
         match compare(&mut trials, &projection) {
-            Ok(Compared { trial: Trial { force, steps, modal }, judge, force_of_judge }) => {
-                let difference = force_of_judge.difference(&force);
+            Ok(Compared { trial, judge, of_judge }) => {
+                let Trial { force, steps, modal, in_longest_steps } = trial;
+                let difference = of_judge.force.difference(&force);
                 let error = rule.errors(difference);
                 let over = watch.agreed(error.of(scene.measure) / wanted);
                 if over <= 1.0 || is_last {
@@ -82,14 +83,15 @@ pub(super) fn reduce(
                     return Ok(Reduced {
                         projection,
                         judge,
-                        force_of_judge,
+                        force_of_judge: of_judge.force,
                         rule,
                         difference,
                         krylov,
                         error,
                         force: (force, steps),
                         modal,
-                        modal_of_judge: None,
+                        modal_of_judge: of_judge.modal,
+                        in_longest_steps,
                     });
                 }
                 last = Some(Judged { vectors: count, error: over * wanted, wanted });
@@ -107,7 +109,7 @@ pub(super) fn reduce(
 struct Compared {
     trial: Trial,
     judge: Projection,
-    force_of_judge: Trace,
+    of_judge: Trial,
 }
 
 /// The force on a basis and on half as many modes. Collective.
@@ -118,6 +120,6 @@ fn compare(trials: &mut Trials, projection: &Projection) -> Result<Compared> {
     let trial = trials.force(projection)?;
     let trial = trials.in_shorter_steps(projection)?.unwrap_or(trial);
     let judge = projection.with_half_the_modes();
-    let force_of_judge = trials.force_in(trial.steps, &judge)?.force;
-    Ok(Compared { trial, judge, force_of_judge })
+    let of_judge = trials.force_in(trial.steps, &judge)?;
+    Ok(Compared { trial, judge, of_judge })
 }

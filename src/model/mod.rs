@@ -27,10 +27,10 @@ use cells::{fit, refine, unrefined};
 
 use petsc_wrap::Comm;
 
-use crate::body::{Body, ModalBody};
+use crate::body::{Body, ModalBody, Projection};
 use crate::contact::Patch;
 use crate::error::Result;
-use crate::impact::{Cause, ErrorEstimate, ErrorRule, Errors};
+use crate::impact::{Cause, ErrorEstimate, ErrorRule, Errors, Steps, Trace};
 use crate::mesh::Measures;
 use crate::scene::{self, Scene};
 use crate::solve::Method;
@@ -49,8 +49,10 @@ pub struct Model {
     pub discretisation: String,
     /// Number of basis vectors, if the body is reduced.
     pub vectors: Option<usize>,
-    /// The body reduced to another basis, and the rule that estimates the error from the difference of the two.
-    pub judge: Option<(ModalBody, ErrorRule)>,
+    /// The body reduced to another basis, for estimating the error of impacts that differ from the scene's.
+    pub judge: Option<JudgeBasis>,
+    /// Contact force of the scene's impact in the longest time steps of its error control, if known, with these steps.
+    pub in_longest_steps: Option<(Trace, Steps)>,
     /// Estimated error by basis, discretisation and theory, as far as each is known.
     pub error: ErrorEstimate,
     /// Reason for this theory, if it was selected automatically.
@@ -59,6 +61,21 @@ pub struct Model {
     pub gauges: Option<Gauges>,
     /// Measures of the mesh, if it is from a file.
     pub measures: Option<Measures>,
+}
+
+/// A body reduced to another basis than the one that is used.
+pub struct JudgeBasis {
+    projection: Projection,
+    modal: Option<ModalBody>,
+    rule: ErrorRule,
+}
+
+impl JudgeBasis {
+    /// The body in modal coordinates, and the rule that estimates the error from the difference of the forces on the
+    /// two bases.
+    pub fn into_modal(self) -> (ModalBody, ErrorRule) {
+        (self.modal.unwrap_or_else(|| ModalBody::of(&self.projection)), self.rule)
+    }
 }
 
 /// How the body is integrated in time.
@@ -124,7 +141,7 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
-        let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, .. } = reduced;
+        let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, in_longest_steps, .. } = reduced;
         let vectors = projection.vectors();
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
@@ -135,8 +152,10 @@ impl Model {
         } else {
             Dynamics::Stepped(Box::new(Body::of(&comm.session().alone(), &projection.system())?))
         };
-        let (vectors, judge) = (Some(vectors), Some((modal_of_judge.unwrap_or_else(|| ModalBody::of(&judge)), rule)));
-        let model = Self { vectors, judge, gauges, measures, ..Self::bare(theory, dynamics, unknowns, discretisation) };
+        let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
+        let vectors = Some(vectors);
+        let bare = Self::bare(theory, dynamics, unknowns, discretisation);
+        let model = Self { vectors, judge, in_longest_steps, gauges, measures, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -153,6 +172,7 @@ impl Model {
             discretisation,
             vectors: None,
             judge: None,
+            in_longest_steps: None,
             error: ErrorEstimate::default(),
             reason: None,
             gauges: None,

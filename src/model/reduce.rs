@@ -87,8 +87,12 @@ pub struct Reduced {
     pub force: (Trace, Option<Steps>),
     /// The reduced body in modal coordinates, if the last force was computed in them.
     pub modal: Option<ModalBody>,
-    /// The same on the other basis, for a viscoelastic body, whose modes are costly.
+    /// The same on the other basis, if it was kept.
     pub modal_of_judge: Option<ModalBody>,
+    /// The force in the longest time steps of the scene's error control ([`ModalImpact::with_longest_steps`]).
+    ///
+    /// [`ModalImpact::with_longest_steps`]: crate::impact::ModalImpact::with_longest_steps
+    pub in_longest_steps: Option<(Trace, Steps)>,
 }
 
 /// A basis that was tried.
@@ -171,7 +175,8 @@ pub fn reduce_from(
         match trials.force(&projection) {
             // The basis spans all motions that the forces excite, up to rounding.
             Ok(trial) if is_exhausted && (given.is_none() || tried.is_empty()) => {
-                let Trial { force, steps, modal } = trials.in_shorter_steps(&projection)?.unwrap_or(trial);
+                let trial = trials.in_shorter_steps(&projection)?.unwrap_or(trial);
+                let Trial { force, steps, modal, in_longest_steps } = trial;
                 return Ok(Reduced {
                     judge: projection.clone(),
                     projection,
@@ -183,6 +188,7 @@ pub fn reduce_from(
                     force: (force, steps),
                     modal,
                     modal_of_judge: None,
+                    in_longest_steps,
                 });
             }
             Ok(mut trial) => {
@@ -211,7 +217,8 @@ pub fn reduce_from(
                         if !judgement.takes_smaller {
                             pair.reverse();
                         }
-                        let [(projection, Trial { force, steps, modal }), (judge, of_judge)] = pair;
+                        let [(projection, trial), (judge, of_judge)] = pair;
+                        let Trial { force, steps, modal, in_longest_steps } = trial;
                         return Ok(Reduced {
                             projection,
                             judge,
@@ -223,6 +230,7 @@ pub fn reduce_from(
                             force: (force, steps),
                             modal,
                             modal_of_judge: of_judge.modal.filter(|_| relaxes),
+                            in_longest_steps,
                         });
                     }
                 }

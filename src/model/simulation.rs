@@ -26,7 +26,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// The scene's impact on a model of its body, with the readout that the scene asks for. Collective.
+    /// The impact of a scene on the model made for it, with the readout that the scene asks for. Collective.
     ///
     /// # Errors
     /// A fault of the scene if an explicit time step is unstable; or if a PETSc call fails.
@@ -34,7 +34,7 @@ impl Simulation {
         let (of_model, patch) = (model.error, model.dynamics.patch());
         let mut integration: Box<dyn TimeIntegration> = match model.dynamics {
             Dynamics::Stepped(body) => Box::new(SteppedImpact::new(scene, *body)?),
-            Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body)),
+            Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body).with_longest_steps(model.in_longest_steps)),
         };
         let (mut sampler, mut faces, mut face_points) = (None, Vec::new(), Vec::new());
         if let Some(Gauges { readout, sampler: of_fields, .. }) = model.gauges {

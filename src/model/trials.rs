@@ -44,6 +44,8 @@ pub(super) struct Trial {
     pub steps: Option<Steps>,
     /// The body in modal coordinates, if the force was computed in them.
     pub modal: Option<ModalBody>,
+    /// The force in the longest time steps that were tried, if the basis chose its own in modal coordinates.
+    pub in_longest_steps: Option<(Trace, Steps)>,
 }
 
 impl<'a> Trials<'a> {
@@ -109,8 +111,9 @@ impl<'a> Trials<'a> {
             let mut impact = ModalImpact::new(scene, &body).without_energies();
             let (force, taken) =
                 impact.trace_watched(steps, &mut Until { interrupted: &|| watch.is_raised_here(), take })?;
+            let in_longest_steps = impact.take_in_longest_steps();
             drop(impact);
-            return Ok(Trial { force, steps: Some(taken), modal: Some(body) });
+            return Ok(Trial { force, steps: Some(taken), modal: Some(body), in_longest_steps });
         }
         let mut force = Trace::default();
         let mut last: Option<(f64, f64)> = None;
@@ -122,6 +125,6 @@ impl<'a> Trials<'a> {
             }
             Ok(if watch.is_raised_here() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         })?;
-        Ok(Trial { force, steps, modal: None })
+        Ok(Trial { force, steps, ..Trial::default() })
     }
 }

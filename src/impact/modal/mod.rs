@@ -85,6 +85,8 @@ pub struct ModalImpact<B> {
     readout: Option<Readout>,
     /// Contact force of the last run, and its time steps.
     last: Option<(Trace, Steps)>,
+    /// The same for the longest time steps that error control tries, if known.
+    in_longest: Option<(Trace, Steps)>,
     /// Cost of the runs so far.
     pub count: Count,
 }
@@ -115,6 +117,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             has_energies: true,
             readout: None,
             last: None,
+            in_longest: None,
             count: Count::default(),
         }
     }
@@ -159,6 +162,19 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     /// Contact force of the last run, with its time steps.
     pub fn force(&self) -> Option<&(Trace, Steps)> {
         self.last.as_ref()
+    }
+
+    /// Sets the contact force in the longest time steps that error control tries, if it is known from the same impact
+    /// ([`Self::take_in_longest_steps`]); it is then not computed again.
+    #[must_use]
+    pub fn with_longest_steps(self, known: Option<(Trace, Steps)>) -> Self {
+        Self { in_longest: known, ..self }
+    }
+
+    /// Returns the contact force in the longest time steps that error control tried in [`Self::trace`], with these
+    /// steps.
+    pub fn take_in_longest_steps(&mut self) -> Option<(Trace, Steps)> {
+        self.in_longest.take()
     }
 
     /// Computes only the contact force, in the given time steps or those of the scene; returns it with the time steps
@@ -216,7 +232,13 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let defect = |largest: f64, peak: f64| peak * (largest / (FIRST_STEP_FACTOR * contact)).powi(3).min(0.1);
         let guess = self.guess();
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
-        let mut coarse = self.once(coarse, false, observer)?;
+        let mut coarse = match self.in_longest.take() {
+            Some((trace, sizes)) if sizes == coarse => Done { trace, sizes, steps: Vec::new(), faces: None },
+            _ => self.once(coarse, false, observer)?,
+        };
+        if !observed {
+            self.in_longest = Some((coarse.trace.clone(), coarse.sizes));
+        }
         // The first run only serves for comparison. A later run is accepted as the coarser one as soon as a finer run
         // shows that its steps are short enough, because a doubled step may be too long for the assumed order of
         // convergence. Observers receive the second run, which is accepted in most cases; of later runs, only the

@@ -15,7 +15,9 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{self, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
-use crate::model::{BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, Linearity, Model, are_edges_held, largest_linear};
+use crate::model::{
+    BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, JudgeBasis, Linearity, Model, are_edges_held, largest_linear,
+};
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;
@@ -293,6 +295,7 @@ impl Kept {
         let of_model = of_theory.max(model.error_beside_basis());
         let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);
+        let judge = judge.map(JudgeBasis::into_modal);
         match dynamics {
             Dynamics::Modal(body) => {
                 Ok(Self { body, theory, judge, unknowns, readout, of_model, is_interpolated: false })
