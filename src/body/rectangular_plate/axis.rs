@@ -8,7 +8,7 @@ use super::edge::{SquaredWavenumbers, StandingWave};
 use super::{BendingWaves, EdgeSprings};
 
 /// Change of a wavenumber over the spacing of wavenumbers at which its search ends.
-const CHANGE: f64 = 1e-11;
+const CHANGE: f64 = 1e-8;
 
 /// Smallest squared wavenumber of a wave along an edge, over that along the edge. Edge waves have values above −0.03 on
 /// thin plates.

@@ -33,7 +33,7 @@ pub use waves::BendingWaves;
 /// Largest number of iterations between both axes for the wavenumbers of a mode, which start from those of its
 /// neighbour; and the change of a squared wavenumber, over that of the wave, at which they end.
 const MAX_ITERATIONS: usize = 20;
-const CHANGE: f64 = 1e-10;
+const CHANGE: f64 = 1e-8;
 
 /// Change of a squared wavenumber for derivatives, over the larger of it and that of the lowest mode.
 const STEP: f64 = 1e-5;

@@ -20,6 +20,14 @@ use super::Map;
 /// Number of steps whose stresses are computed together; their values are adjacent in memory.
 pub const TOGETHER: usize = 8;
 
+/// Number of steps whose coefficients are computed at once. The matrix from coordinates to coefficients is larger than
+/// the cache, and is read once for all of them.
+const BLOCK: usize = 256;
+
+/// Distance of the columns of coefficients. At distances that are powers of two, columns compete for the same places of
+/// the cache.
+const STRIDE: usize = BLOCK + TOGETHER;
+
 /// Values of several steps that are computed together.
 pub type Together = [f64; TOGETHER];
 
@@ -115,78 +123,128 @@ impl FaceLines {
         self.lines[0].lines.len() * self.lines[1].lines.len()
     }
 
-    /// Computes the stresses at all crossings from the coefficients of all fields.
-    fn stresses(&self, coefficients: &[Together], at_places: &mut [[Together; 3]], stresses: &mut [[Together; 3]]) {
-        stresses.fill([[0.0; TOGETHER]; 3]);
-        for flips in [[false, false], [false, true], [true, false], [true, true]] {
-            if self.parts.iter().any(|part| part.flips == flips) {
-                let face = self;
-                pulp::Arch::new().dispatch(PartsOfSigns { face, flips, coefficients, at_places, stresses });
-            }
-        }
+    /// Coefficients of the field of a part.
+    fn of_field<'a>(&self, part: &LinePart, coefficients: &'a [Together]) -> &'a [Together] {
+        let first: usize = self.fields[..part.field].iter().map(Range::len).sum();
+        &coefficients[first..first + self.fields[part.field].len()]
     }
 
-    /// Sums the terms with the same signs at all coordinates.
+    /// Stresses at a crossing at one of the steps.
+    fn at(&self, coefficients: &[Together], crossing: usize, step: usize) -> [f64; 3] {
+        let [a, b] = &self.lines;
+        let ((place_a, is_image_a), (place_b, is_image_b)) =
+            (a.lines[crossing / b.lines.len()], b.lines[crossing % b.lines.len()]);
+        let mut stresses = [0.0; 3];
+        for part in &self.parts {
+            let (at_a, at_b) = (&part.along[0][place_a], &part.along[1][place_b]);
+            let rows = self.of_field(part, coefficients).chunks_exact(part.functions).skip(at_a.first);
+            let of_row = |row: &[Together]| -> f64 {
+                row[at_b.first..].iter().zip(at_b.used()).map(|(coefficient, value)| value * coefficient[step]).sum()
+            };
+            let sum: f64 = rows.zip(at_a.used()).map(|(row, value)| value * of_row(row)).sum();
+            let sign = sign(is_image_a, part.flips[0]) * sign(is_image_b, part.flips[1]);
+            stresses.iter_mut().zip(part.stresses).for_each(|(stress, factor)| *stress += sign * factor * sum);
+        }
+        stresses
+    }
+
+    /// Passes each line across the first axis to a visitor.
     #[inline(always)]
-    fn sum(&self, flips: [bool; 2], coefficients: &[Together], at_places: &mut [[Together; 3]]) {
-        at_places.fill([[0.0; TOGETHER]; 3]);
+    fn each_line(&self, coefficients: &[Together], visitor: &mut impl LineVisitor) {
+        let [a, b] = &self.lines;
+        // The terms with the same signs at mirror images are summed first.
+        let flips = [[false, false], [false, true], [true, false], [true, true]];
+        let flips: Vec<[bool; 2]> =
+            flips.into_iter().filter(|flips| self.parts.iter().any(|part| part.flips == *flips)).collect();
+        let places = b.places.len();
+        let mut sums = vec![[[0.0; TOGETHER]; 3]; flips.len() * places];
+        let mut stresses = vec![[[0.0; TOGETHER]; 3]; b.lines.len()];
         let mut across: Vec<Together> = Vec::new();
-        for part in self.parts.iter().filter(|part| part.flips == flips) {
-            let first: usize = self.fields[..part.field].iter().map(Range::len).sum();
-            let of_field = &coefficients[first..first + self.fields[part.field].len()];
-            let [a, b] = &part.along;
-            for (of_line, at_a) in at_places.chunks_exact_mut(b.len()).zip(a) {
-                across.clear();
-                across.resize(part.functions, [0.0; TOGETHER]);
-                for (row, value) in
-                    of_field[at_a.first * part.functions..].chunks_exact(part.functions).zip(at_a.used())
-                {
-                    across.iter_mut().zip(row).for_each(|(sum, row)| add(sum, *value, row));
+        for place in 0..a.places.len() {
+            sums.fill([[0.0; TOGETHER]; 3]);
+            for (flips, sums) in flips.iter().zip(sums.chunks_exact_mut(places)) {
+                for part in self.parts.iter().filter(|part| part.flips == *flips) {
+                    part.add(place, self.of_field(part, coefficients), &mut across, sums);
                 }
-                for (stresses, at_b) in of_line.iter_mut().zip(b) {
-                    let mut sum = [0.0; TOGETHER];
-                    across[at_b.first..].iter().zip(at_b.used()).for_each(|(few, value)| add(&mut sum, *value, few));
-                    for (stress, factor) in stresses.iter_mut().zip(part.stresses) {
-                        if factor != 0.0 {
-                            add(stress, factor, &sum);
+            }
+            for (line, (_, is_image)) in a.lines.iter().enumerate().filter(|(_, (of, _))| *of == place) {
+                for ((place, is_image_b), stresses) in b.lines.iter().zip(&mut stresses) {
+                    let mut sum = [[0.0; TOGETHER]; 3];
+                    for (flips, sums) in flips.iter().zip(sums.chunks_exact(places)) {
+                        let sign = sign(*is_image, flips[0]) * sign(*is_image_b, flips[1]);
+                        for (sum, more) in sum.iter_mut().zip(&sums[*place]) {
+                            add(sum, sign, more);
                         }
                     }
+                    *stresses = sum;
+                }
+                visitor.line(line, &stresses);
+            }
+        }
+    }
+}
+
+/// Visitor of the lines across the first axis of a face.
+pub trait LineVisitor {
+    /// Takes the number of a line and the stresses at its crossings.
+    fn line(&mut self, number: usize, stresses: &[[Together; 3]]);
+}
+
+/// Sign of a term at a mirror image.
+#[inline(always)]
+fn sign(is_image: bool, flips: bool) -> f64 {
+    if is_image && flips { -1.0 } else { 1.0 }
+}
+
+impl LinePart {
+    /// Adds the contribution to the stresses at all coordinates along the second axis, for one along the first.
+    #[inline(always)]
+    fn add(&self, place: usize, of_field: &[Together], across: &mut Vec<Together>, sums: &mut [[Together; 3]]) {
+        let at_a = &self.along[0][place];
+        let of_rows = &of_field[at_a.first * self.functions..][..at_a.count * self.functions];
+        across.clear();
+        for function in 0..self.functions {
+            let mut sum = [0.0; TOGETHER];
+            for (row, value) in of_rows.chunks_exact(self.functions).zip(at_a.used()) {
+                add(&mut sum, *value, &row[function]);
+            }
+            across.push(sum);
+        }
+        for (stresses, at_b) in sums.iter_mut().zip(&self.along[1]) {
+            let mut sum = [0.0; TOGETHER];
+            for (few, value) in across[at_b.first..].iter().zip(at_b.used()) {
+                add(&mut sum, *value, few);
+            }
+            for (stress, factor) in stresses.iter_mut().zip(self.stresses) {
+                if factor != 0.0 {
+                    add(stress, factor, &sum);
                 }
             }
         }
     }
 
-    /// Adds the values at the coordinates to the stresses on the lines.
-    #[inline(always)]
-    fn spread(&self, flips: [bool; 2], at_places: &[[Together; 3]], stresses: &mut [[Together; 3]]) {
-        let [a, b] = &self.lines;
-        let sign = |is_image: bool, flips: bool| if is_image && flips { -1.0 } else { 1.0 };
-        for ((place_a, is_image_a), of_line) in a.lines.iter().zip(stresses.chunks_exact_mut(b.lines.len())) {
-            let at_places = &at_places[place_a * b.places.len()..(place_a + 1) * b.places.len()];
-            for ((place_b, is_image_b), stresses) in b.lines.iter().zip(of_line) {
-                let sign = sign(*is_image_a, flips[0]) * sign(*is_image_b, flips[1]);
-                stresses.iter_mut().zip(&at_places[*place_b]).for_each(|(stress, more)| add(stress, sign, more));
-            }
-        }
+    /// Largest contribution to a stress if no coefficient exceeds 1, Pa.
+    fn largest(&self) -> f64 {
+        let of_place = |at: &AtPlace| at.used().iter().map(|value| value.abs()).sum::<f64>();
+        let along = |axis: usize| self.along[axis].iter().map(of_place).fold(0.0, f64::max);
+        let factor = self.stresses.iter().fold(0.0, |most: f64, factor| most.max(factor.abs()));
+        factor * along(0) * along(1)
     }
 }
 
-/// Task that adds the terms with the same signs. It is compiled for the vector units of each kind of processor.
-struct PartsOfSigns<'a> {
+/// Task of [`FaceLines::each_line`]. It is compiled for the vector units of each kind of processor.
+struct EachLine<'a, V> {
     face: &'a FaceLines,
-    flips: [bool; 2],
     coefficients: &'a [Together],
-    at_places: &'a mut [[Together; 3]],
-    stresses: &'a mut [[Together; 3]],
+    visitor: &'a mut V,
 }
 
-impl pulp::NullaryFnOnce for PartsOfSigns<'_> {
+impl<V: LineVisitor> pulp::NullaryFnOnce for EachLine<'_, V> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.face.sum(self.flips, self.coefficients, self.at_places);
-        self.face.spread(self.flips, self.at_places, self.stresses);
+        self.face.each_line(self.coefficients, self.visitor);
     }
 }
 
@@ -199,7 +257,9 @@ impl AtPlace {
 
 #[inline(always)]
 fn add(sum: &mut Together, factor: f64, more: &Together) {
-    (0..TOGETHER).for_each(|i| sum[i] += factor * more[i]);
+    for (sum, more) in sum.iter_mut().zip(more) {
+        *sum += factor * more;
+    }
 }
 
 impl Coefficients {
@@ -210,18 +270,29 @@ impl Coefficients {
         Self { coordinates: used.iter().map(|k| all[*k]).collect(), columns: columns.select_columns(&used) }
     }
 
-    /// Coefficients as a matrix with a column for each coefficient and a row for each step.
-    fn of_steps(&self, (count, steps): (usize, usize), coordinates: &[f64]) -> Vec<f64> {
-        let (rows, own) = (self.columns.nrows(), self.coordinates.len());
-        let each = coordinates.chunks_exact(count).flat_map(|all| self.coordinates.iter().map(|k| all[*k]));
-        let used: Vec<f64> = each.collect();
-        let mut products = vec![0.0; rows * steps];
-        let of_steps = MatRef::from_column_major_slice(&used, own, steps);
+    /// Computes the coefficients of at most [`BLOCK`] steps from `count` coordinates each.
+    fn of_steps(&self, count: usize, coordinates: &[f64], into: &mut Products) {
+        let Products { used, columns } = into;
+        let (steps, rows, own) = (coordinates.len() / count, self.columns.nrows(), self.coordinates.len());
+        used.clear();
+        for of_step in coordinates.chunks_exact(count) {
+            used.extend(self.coordinates.iter().map(|k| of_step[*k]));
+        }
+        columns.resize(rows * STRIDE, 0.0);
+        let of_steps = MatRef::from_column_major_slice(used, own, steps);
         let of_rows = MatRef::from_column_major_slice(self.columns.as_slice(), rows, own);
-        let into = MatMut::from_column_major_slice_mut(&mut products, steps, rows);
-        matmul(into, Accum::Replace, of_steps.transpose(), of_rows.transpose(), 1.0, Par::Seq);
-        products
+        let product = MatMut::from_column_major_slice_with_stride_mut(columns, steps, rows, STRIDE);
+        matmul(product, Accum::Replace, of_steps.transpose(), of_rows.transpose(), 1.0, Par::Seq);
     }
+}
+
+/// Coefficients of a field at some steps.
+#[derive(Default)]
+struct Products {
+    /// Coordinates on which they depend, step by step.
+    used: Vec<f64>,
+    /// A column for each coefficient, with a row for each step; the columns begin [`STRIDE`] entries apart.
+    columns: Vec<f64>,
 }
 
 impl LineStresses {
@@ -266,36 +337,41 @@ impl LineStresses {
         }
     }
 
-    /// Calls `visit` with the number of steps and their stresses, for eight steps at a time; the last call may have
-    /// fewer. `coordinates` holds the coordinates step by step.
-    pub fn each(&self, coordinates: &[f64], mut visit: impl FnMut(usize, &[[Together; 3]])) {
-        let steps = coordinates.len() / self.count.max(1);
-        let of_steps = |field: &Coefficients| field.of_steps((self.count, steps), coordinates);
-        let products: Vec<Vec<f64>> = self.coefficients.iter().map(of_steps).collect();
-        let places = self.face.lines[0].places.len() * self.face.lines[1].places.len();
-        let mut at_places = vec![[[0.0; TOGETHER]; 3]; places];
-        let mut stresses = vec![[[0.0; TOGETHER]; 3]; self.crossings()];
-        let mut together: Vec<Together> = Vec::new();
-        for begin in (0..steps).step_by(TOGETHER) {
-            let some = TOGETHER.min(steps - begin);
-            together.clear();
-            let of_rows = products.iter().flat_map(|products| products.chunks_exact(steps));
-            together.extend(of_rows.map(|of_row| {
-                let rest = &of_row[begin..];
-                // A full chunk is copied without a function call.
-                let few = || std::array::from_fn(|i| rest.get(i).copied().unwrap_or_default());
-                rest.first_chunk().copied().unwrap_or_else(few)
-            }));
-            self.face.stresses(&together, &mut at_places, &mut stresses);
-            for (crossing, rows) in &self.apart {
-                for step in 0..some {
-                    let own = &coordinates[(begin + step) * self.count..(begin + step + 1) * self.count];
-                    for (component, row) in rows.row_iter().enumerate() {
-                        stresses[*crossing][component][step] = row.iter().zip(own).map(|(a, b)| a * b).sum();
-                    }
-                }
+    /// Upper bounds of the stresses at all crossings for a unit value of each coordinate, Pa.
+    pub fn scales(&self) -> Vec<f64> {
+        let mut scales = vec![0.0; self.count];
+        for (field, Coefficients { coordinates, columns }) in self.coefficients.iter().enumerate() {
+            let parts = self.face.parts.iter().filter(|part| part.field == field);
+            let of_field: f64 = parts.map(LinePart::largest).sum();
+            for (coordinate, column) in coordinates.iter().zip(columns.column_iter()) {
+                scales[*coordinate] += of_field * column.amax();
             }
-            visit(some, &stresses);
+        }
+        for (_, rows) in &self.apart {
+            scales.iter_mut().zip(rows.column_iter()).for_each(|(scale, row)| *scale = row.amax().max(*scale));
+        }
+        scales
+    }
+
+    /// Calls `visit` with up to eight steps at a time. `coordinates` holds the coordinates step by step.
+    pub fn each(&self, coordinates: &[f64], mut visit: impl FnMut(&StepsTogether)) {
+        let count = self.count.max(1);
+        let mut products: Vec<Products> = self.coefficients.iter().map(|_| Products::default()).collect();
+        let mut coefficients: Vec<Together> = Vec::new();
+        for coordinates in coordinates.chunks(BLOCK * count) {
+            for (field, products) in self.coefficients.iter().zip(&mut products) {
+                field.of_steps(count, coordinates, products);
+            }
+            for (begin, coordinates) in coordinates.chunks(TOGETHER * count).enumerate() {
+                coefficients.clear();
+                for Products { columns, .. } in &products {
+                    // Beyond the last step, columns hold no values.
+                    let of_column =
+                        |column: &[f64]| column[TOGETHER * begin..].first_chunk().copied().unwrap_or_default();
+                    coefficients.extend(columns.chunks_exact(STRIDE).map(of_column));
+                }
+                visit(&StepsTogether { lines: self, coordinates, coefficients: &coefficients });
+            }
         }
     }
 
@@ -304,8 +380,9 @@ impl LineStresses {
         let count = self.count;
         let mut entries = vec![0.0; 3 * self.crossings() * count];
         let mut first = 0;
-        self.each(DMatrix::<f64>::identity(count, count).as_slice(), |some, stresses| {
-            let crossings = entries.chunks_exact_mut(3 * count).zip(stresses).zip(left_out);
+        self.each(DMatrix::<f64>::identity(count, count).as_slice(), |together| {
+            let (some, stresses) = (together.steps(), together.stresses());
+            let crossings = entries.chunks_exact_mut(3 * count).zip(&stresses).zip(left_out);
             for ((rows, stresses), _) in crossings.filter(|(_, is_left_out)| !**is_left_out) {
                 for (row, together) in rows.chunks_exact_mut(count).zip(stresses) {
                     row[first..first + some].copy_from_slice(&together[..some]);
@@ -319,9 +396,82 @@ impl LineStresses {
     /// Stresses of one step, crossing by crossing.
     pub fn apply(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut all = Vec::with_capacity(3 * self.crossings());
-        self.each(coordinates, |_, stresses| {
-            all.extend(stresses.iter().flatten().map(|together| together[0]));
+        self.each(coordinates, |together| {
+            all.extend(together.stresses().iter().flatten().map(|together| together[0]));
         });
         all
     }
+}
+
+/// Up to eight steps whose stresses on lines are computed together.
+pub struct StepsTogether<'a> {
+    lines: &'a LineStresses,
+    /// Coordinates of the steps, step by step.
+    coordinates: &'a [f64],
+    /// Coefficients of all fields.
+    coefficients: &'a [Together],
+}
+
+impl StepsTogether<'_> {
+    /// Number of steps.
+    pub fn steps(&self) -> usize {
+        self.coordinates.len() / self.lines.count.max(1)
+    }
+
+    /// Coordinates of each step.
+    pub fn coordinates(&self) -> impl Iterator<Item = &[f64]> {
+        self.coordinates.chunks_exact(self.lines.count.max(1))
+    }
+
+    /// Passes each line across the first axis to a visitor, with the stresses at its crossings, Pa. They have no
+    /// meaning at the steps that are missing to eight, and at the crossings of [`Self::apart`].
+    pub fn each_line(&self, visitor: &mut impl LineVisitor) {
+        pulp::Arch::new().dispatch(EachLine { face: &self.lines.face, coefficients: self.coefficients, visitor });
+    }
+
+    /// Crossings that are evaluated separately, with their stresses, Pa.
+    pub fn apart(&self) -> impl Iterator<Item = (usize, [Together; 3])> {
+        self.lines.apart.iter().map(|(crossing, rows)| {
+            let mut stresses = [[0.0; TOGETHER]; 3];
+            for (step, own) in self.coordinates().enumerate() {
+                products(rows, own).into_iter().enumerate().for_each(|(i, stress)| stresses[i][step] = stress);
+            }
+            (*crossing, stresses)
+        })
+    }
+
+    /// Stresses at a crossing at one of the steps, Pa.
+    pub fn at(&self, crossing: usize, step: usize) -> [f64; 3] {
+        match self.lines.apart.iter().find(|(apart, _)| *apart == crossing) {
+            Some((_, rows)) => {
+                let count = self.lines.count;
+                products(rows, &self.coordinates[step * count..(step + 1) * count])
+            }
+            None => self.lines.face.at(self.coefficients, crossing, step),
+        }
+    }
+
+    /// Stresses at all crossings, Pa.
+    fn stresses(&self) -> Vec<[Together; 3]> {
+        let mut all = Copied(vec![[[0.0; TOGETHER]; 3]; self.lines.crossings()]);
+        self.each_line(&mut all);
+        let Copied(mut all) = all;
+        self.apart().for_each(|(crossing, stresses)| all[crossing] = stresses);
+        all
+    }
+}
+
+/// Stresses at all crossings.
+struct Copied(Vec<[Together; 3]>);
+
+impl LineVisitor for Copied {
+    #[inline(always)]
+    fn line(&mut self, number: usize, stresses: &[[Together; 3]]) {
+        self.0[number * stresses.len()..][..stresses.len()].copy_from_slice(stresses);
+    }
+}
+
+/// Products of the three rows of a matrix with coordinates.
+fn products(rows: &DMatrix<f64>, coordinates: &[f64]) -> [f64; 3] {
+    [0, 1, 2].map(|component| rows.row(component).iter().zip(coordinates).map(|(a, b)| a * b).sum())
 }

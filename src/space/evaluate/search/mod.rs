@@ -6,7 +6,8 @@
 //! precision. The stresses are computed from rows for all of them in single precision ([`StressRows`]) or, on lines of
 //! a face, from fewer coefficients in double precision ([`LineStresses`]).
 //!
-//! *Bound.* Stresses divided by a size S have an error of at most some u, which depends on how they are computed. The
+//! *Bound.* Stresses divided by a size S, a bound of them, have an error of at most some u, which depends on how they
+//! are computed. The
 //! error of the principal stress m + √(d² + s²) is at most the sum of the errors of m, d and s, plus a few roundings of
 //! its own. On the faces of soft layers there are three more parts, for the stresses across the face, and the sum has
 //! five errors: the error of a principal stress is at most the largest sum of errors in a row of the tensor, in which
@@ -25,7 +26,7 @@ mod seen;
 use std::rc::Rc;
 
 use super::faces::ALIKE;
-use super::line_stress::{TOGETHER, Together};
+use super::line_stress::{LineVisitor, StepsTogether, TOGETHER, Together};
 use super::{ContactNow, FaceStresses, FaceTension, LineStresses, TensionMap};
 pub use coordinates::Coordinates;
 use local::{LocalRows, parts};
@@ -35,10 +36,6 @@ use seen::{Peaks, Seen, Wanted};
 
 /// Number of steps whose stresses are computed at once, so that they stay in the cache.
 const BLOCK: usize = 64;
-
-/// Number of steps computed at once on lines. The matrix from coordinates to coefficients is larger than the cache, and
-/// is read once for all of them.
-const BLOCK_ON_LINES: usize = 256;
 
 /// Number of values whose maximum is kept together; a power of two, for the vector units of the processor.
 const LANES: usize = 16;
@@ -76,6 +73,10 @@ struct OfStep<'a, F> {
     column: &'a [f32],
     /// Size S, Pa.
     size: f64,
+    /// Number of products that are summed to a stress in single precision.
+    products: usize,
+    /// Upper bound of the stresses divided by S.
+    largest: f64,
     /// Stresses a, b and ab at a sampled point in double precision, Pa.
     at: F,
 }
@@ -142,42 +143,36 @@ impl<'a> TensionSearch<'a> {
         least: Option<f64>,
     ) -> Searched {
         let coordinates = coordinates.into();
-        let count = match &self.stresses {
-            Stresses::Rows(rows) => rows.count,
-            Stresses::Lines(lines) => lines.coordinates(),
-        };
         let mut found = Finding::new(self, contacts, least);
         if let (Stresses::Rows(rows), Some(screen), Some(least)) = (&self.stresses, &self.screen, least)
             && let Some(high) = screen.steps(coordinates, contacts, least)
         {
             return self.tensions_of(&high, rows, coordinates, found);
         }
-        let block = match &self.stresses {
-            Stresses::Rows(_) => BLOCK,
-            Stresses::Lines(_) => BLOCK_ON_LINES,
-        };
-        for coordinates in coordinates.all().chunks(block * count) {
-            match &self.stresses {
-                Stresses::Rows(rows) => {
-                    let (all, sizes) = rows.of_steps(coordinates);
-                    for (step, size) in sizes.into_iter().enumerate() {
-                        let of_step = &coordinates[step * count..(step + 1) * count];
-                        let column = all.column(step);
+        let all = coordinates.all();
+        match &self.stresses {
+            Stresses::Rows(rows) => {
+                for coordinates in all.chunks(BLOCK * rows.count) {
+                    let (columns, sizes) = rows.of_steps(coordinates);
+                    let each = columns.column_iter().zip(sizes).zip(coordinates.chunks_exact(rows.count));
+                    for ((column, size), of_step) in each {
                         let at = |number: usize| rows.at(number, of_step);
-                        found.take(&OfStep { column: column.as_slice(), size, at });
+                        found.take(&OfStep { column: column.as_slice(), size, products: rows.count, largest: 1.0, at });
                     }
                 }
-                Stresses::Lines(lines) => {
-                    let mut columns = vec![0.0; TOGETHER * 3 * lines.crossings()];
-                    lines.each(coordinates, |steps, stresses| {
-                        let sizes = scaled(stresses, &mut columns);
-                        let columns = columns.chunks_exact(3 * stresses.len());
-                        for ((step, column), size) in columns.enumerate().zip(sizes).take(steps) {
-                            let at = |number: usize| stresses[number].map(|together| together[step]);
-                            found.take(&OfStep { column, size, at });
-                        }
-                    });
-                }
+            }
+            Stresses::Lines(lines) => {
+                let (scales, mut columns) = (lines.scales(), vec![0.0; 3 * TOGETHER * lines.crossings()]);
+                lines.each(&all, |together| {
+                    let largest = scaled(together, &scales, &mut columns);
+                    let each = columns.chunks_exact(3 * lines.crossings()).zip(together.coordinates());
+                    for (step, (column, of_step)) in each.enumerate() {
+                        let (size, largest) = (size(of_step, &scales), largest[step]);
+                        let at = |number: usize| together.at(number, step);
+                        // The sums have been computed in double precision.
+                        found.take(&OfStep { column, size, products: 0, largest, at });
+                    }
+                });
             }
         }
         self.searched(found)
@@ -191,7 +186,8 @@ impl<'a> TensionSearch<'a> {
             let columns = all.column_iter().zip(some.chunks_exact(rows.count));
             for ((&step, size), (column, of_step)) in steps.iter().zip(sizes).zip(columns) {
                 found.skip_to(step);
-                found.take(&OfStep { column: column.as_slice(), size, at: |number| rows.at(number, of_step) });
+                let at = |number: usize| rows.at(number, of_step);
+                found.take(&OfStep { column: column.as_slice(), size, products: rows.count, largest: 1.0, at });
             }
         }
         found.skip_to(found.contacts.len());
@@ -203,39 +199,74 @@ impl<'a> TensionSearch<'a> {
         Searched { steps: found.steps, peaks: found.peaks, counts }
     }
 
-    /// Bound of the difference, divided by S, between the largest tension seen and the single-precision value at the
-    /// point of the true largest tension.
-    fn bound(&self, top: f32) -> f32 {
-        let products = match &self.stresses {
-            Stresses::Rows(rows) => rows.count as f64,
-            // Stresses on lines have only two or three roundings.
-            Stresses::Lines(_) => 0.0,
-        };
+    /// Bound of the difference, divided by S, between the largest tension seen (`top`) and the single-precision value
+    /// at the point of the true largest tension. `products` is the number of products that are summed to a stress in
+    /// single precision, and `largest` an upper bound of the stresses; both are divided by S.
+    fn bound(&self, top: f32, products: usize, largest: f64) -> f32 {
         let together = if self.faces.faces.iter().any(|face| face.across.is_some()) { 5.0 } else { 3.0 };
-        let error = (together * (products + 4.0) + ROUNDINGS_OF_PRINCIPAL) * ROUNDOFF;
+        let error = (together * (products as f64 + 4.0) + ROUNDINGS_OF_PRINCIPAL) * ROUNDOFF * largest;
         // Both values may have the error, and points within a relative difference count as equal.
-        let of_top = (2.0 * ALIKE + ROUNDINGS_OF_PRINCIPAL * ROUNDOFF) * f64::from(top.abs()).max(1.0);
+        let of_top = (2.0 * ALIKE + ROUNDINGS_OF_PRINCIPAL * ROUNDOFF) * f64::from(top.abs()).max(largest);
         (2.0 * error + of_top) as f32
     }
 }
 
-/// Fills the columns of some steps with their stresses at the sampled points, divided by the largest stress of each
-/// step. Returns these largest stresses.
-fn scaled(stresses: &[[Together; 3]], columns: &mut [f32]) -> Together {
-    let mut sizes = [0.0_f64; TOGETHER];
-    for together in stresses.iter().flatten() {
-        sizes.iter_mut().zip(together).for_each(|(size, stress)| *size = size.max(stress.abs()));
+/// Bound S of the stresses of a step, Pa, with the bounds ρ for a unit value of each coordinate.
+fn size(coordinates: &[f64], scales: &[f64]) -> f64 {
+    coordinates.iter().zip(scales).map(|(w, scale)| (w * scale).abs()).sum()
+}
+
+/// Fills a column for each of some steps with the stresses at the sampled points, divided by S. Returns the largest of
+/// them for each step.
+fn scaled(together: &StepsTogether, scales: &[f64], columns: &mut [f32]) -> Together {
+    let mut over = [0.0; TOGETHER];
+    for (over, of_step) in over.iter_mut().zip(together.coordinates()) {
+        let size = size(of_step, scales);
+        *over = if size > 0.0 { size.recip() } else { 1.0 };
     }
-    let over = sizes.map(|size| if size > 0.0 { 1.0 / size } else { 1.0 });
-    let sampled = stresses.len();
-    for (number, [a, b, ab]) in stresses.iter().enumerate() {
-        for step in 0..TOGETHER {
-            for (part, stress) in parts([a[step], b[step], ab[step]]).into_iter().enumerate() {
-                columns[(3 * step + part) * sampled + number] = (stress * over[step]) as f32;
+    let mut scaling = Scaling { over, columns, largest: [0.0; TOGETHER] };
+    together.each_line(&mut scaling);
+    together.apart().for_each(|(crossing, stresses)| scaling.take(crossing, &[stresses]));
+    scaling.largest
+}
+
+/// Fills the columns of some steps.
+struct Scaling<'a> {
+    /// 1/S of the steps.
+    over: Together,
+    columns: &'a mut [f32],
+    /// Largest stress of each step so far, divided by S.
+    largest: Together,
+}
+
+impl Scaling<'_> {
+    /// Takes the stresses at consecutive sampled points.
+    #[inline(always)]
+    fn take(&mut self, first: usize, stresses: &[[Together; 3]]) {
+        let sampled = self.columns.len() / (3 * TOGETHER);
+        // Local copies stay in registers.
+        let (over, mut largest) = (self.over, self.largest);
+        for (step, columns) in self.columns.chunks_exact_mut(3 * sampled).enumerate() {
+            let (means, rest) = columns.split_at_mut(sampled);
+            let (halves, shears) = rest.split_at_mut(sampled);
+            let into = means[first..].iter_mut().zip(&mut halves[first..]).zip(&mut shears[first..]);
+            for (((mean, half), shear), [a, b, ab]) in into.zip(stresses) {
+                let of_step = [a[step] * over[step], b[step] * over[step], ab[step] * over[step]];
+                let size = of_step[0].abs().max(of_step[1].abs()).max(of_step[2].abs());
+                largest[step] = if size > largest[step] { size } else { largest[step] };
+                let [m, d, s] = parts(of_step);
+                (*mean, *half, *shear) = (m as f32, d as f32, s as f32);
             }
         }
+        self.largest = largest;
     }
-    sizes
+}
+
+impl LineVisitor for Scaling<'_> {
+    #[inline(always)]
+    fn line(&mut self, number: usize, stresses: &[[Together; 3]]) {
+        self.take(number * stresses.len(), stresses);
+    }
 }
 
 /// State of a search.
@@ -272,7 +303,7 @@ impl<'a> Finding<'a> {
     /// Searches the next step.
     fn take(&mut self, of_step: &OfStep<impl Fn(usize) -> [f64; 3]>) {
         let Self { search, contacts, steps, peaks, seen, least, largest } = self;
-        let OfStep { column, size, at } = of_step;
+        let OfStep { column, size, products, largest: bound_of_stresses, at } = of_step;
         let (contact, number) = (&contacts[steps.len()], steps.len() as u32);
         seen.take(column);
         let faces = search.faces.faces.iter().zip(&search.local).zip(peaks);
@@ -289,7 +320,7 @@ impl<'a> Finding<'a> {
             };
             let (alike, found) = if *size > f64::MIN_POSITIVE && seen.top.is_finite() {
                 peaks.take(&seen.values, *size as f32, number);
-                let bound = search.bound(seen.top);
+                let bound = search.bound(seen.top, *products, *bound_of_stresses);
                 // Points that are left out have no tension.
                 face.largest(seen.from(seen.top - bound), value)
             } else {

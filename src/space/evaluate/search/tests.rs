@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::form::Spread;
-use crate::space::evaluate::{Face, FaceGrid, LocalPoint, Map, StressMap};
+use crate::form::spline::WIDTH;
+use crate::space::evaluate::{AtPlace, Face, FaceGrid, FaceLines, LinePart, Lines, LocalPoint, Map, StressMap};
 use crate::stack::{Carrier, Layer, LocalField, Pressure, Stack};
 
 /// Pseudo-random numbers between −1 and 1.
@@ -132,6 +133,68 @@ fn what_is_found_is_what_a_search_of_all_points_finds() {
     assert!(places.len() > 30, "{}", places.len());
 }
 
+/// The stresses of [`plate`] on lines, with one function for each line and one crossing that is evaluated separately.
+fn on_lines(rows: &[f64]) -> LineStresses {
+    let points = LINES * LINES;
+    let row = |point: usize, component: usize| &rows[(3 * point + component) * COUNT..][..COUNT];
+    let basis: Vec<Vec<f64>> = (0..COUNT)
+        .map(|i| (0..3 * points).map(|unknown| row(unknown % points, unknown / points)[i]).collect())
+        .collect();
+    let at_place = |first: usize| {
+        let mut values = [0.0; WIDTH];
+        values[0] = 1.0;
+        AtPlace { first, count: 1, values }
+    };
+    let along: Vec<AtPlace> = (0..LINES).map(at_place).collect();
+    let part = |field: usize| LinePart {
+        field,
+        functions: LINES,
+        along: [along.clone(), along.clone()],
+        flips: [false; 2],
+        stresses: std::array::from_fn(|component| if component == field { 1.0 } else { 0.0 }),
+    };
+    let lines = Lines { places: vec![0.0; LINES], lines: (0..LINES).map(|line| (line, false)).collect() };
+    let face = FaceLines {
+        fields: (0..3).map(|field| field * points..(field + 1) * points).collect(),
+        parts: (0..3).map(part).collect(),
+        lines: [lines.clone(), lines],
+    };
+    let apart = (0..3).flat_map(|component| row(0, component).to_vec()).collect();
+    LineStresses::new(face, vec![(0, Map::Dense(COUNT, apart))], &basis)
+}
+
+/// A search on lines finds the same as a search with rows, and the same largest tensions over time.
+#[test]
+fn lines_are_searched_as_rows_are() {
+    let (FaceStresses { mut faces, .. }, rows) = plate();
+    faces.retain(|face| face.across.is_none());
+    let lines = on_lines(&rows);
+    let faces = FaceStresses::new(StressMap::Lines(lines.clone()), faces);
+    let (coordinates, contacts) = steps();
+    let by_rows = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
+    let sizes = coordinates.chunks(COUNT).map(|of_step| size(of_step, &of_rows(&by_rows).scales));
+    let sizes: Vec<f64> = sizes.collect();
+    let times: Vec<f64> = (0..contacts.len()).map(|step| step as f64).collect();
+    let of_lines = TensionSearch::on_lines(&faces, &lines).expect("faces of a box");
+    let [of_lines, by_rows] = [of_lines, by_rows].map(|search| search.tensions(&coordinates, &contacts, None));
+    for (step, (one, other)) in of_lines.steps.iter().zip(&by_rows.steps).enumerate() {
+        for (one, other) in one.iter().zip(other) {
+            // Sums of some forty products in another order.
+            let rounding = 1e-13 * (sizes[step] + other.largest.abs());
+            assert!((one.largest - other.largest).abs() <= rounding, "{step}: {one:?} {other:?}");
+            let apart = (0..3).map(|i| (one.point[i] - other.point[i]).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-9, "{step}: {one:?} {other:?}");
+        }
+    }
+    let largest = sizes.iter().copied().fold(0.0, f64::max) as f32;
+    let [one, other] = [of_lines.map(&times), by_rows.map(&times)].map(|map| map.tension);
+    assert!(one.iter().any(|tension| *tension > 0.0));
+    for (point, (one, other)) in one.iter().zip(&other).enumerate() {
+        // The error of single precision with rows.
+        assert!(one == other || (one - other).abs() < 1e-5 * largest, "{point}: {one} {other}");
+    }
+}
+
 /// If only the largest tension of all steps is needed, it is found unchanged, and so is the first step above a smallest
 /// tension of interest, although many steps are not searched.
 #[test]
@@ -202,7 +265,7 @@ fn the_map_is_that_of_all_points_and_steps() {
         let size = of_rows(&search).scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>() as f32;
         if size > 0.0 {
             let top = of_step_alone.tension.iter().copied().fold(f32::NEG_INFINITY, f32::max) / size;
-            room = room.max(search.bound(top) * size);
+            room = room.max(search.bound(top, COUNT, 1.0) * size);
         }
         exhaustive.take(&of_step_alone);
         of_steps.push(of_step_alone);
@@ -250,7 +313,7 @@ fn single_precision_keeps_its_bound() {
         seen.take(column.as_slice());
         for (face, local) in faces.faces.iter().zip(&search.local) {
             seen.look((face, local), (column.as_slice(), size), contact, Wanted::All);
-            let bound = f64::from(search.bound(seen.top));
+            let bound = f64::from(search.bound(seen.top, COUNT, 1.0));
             for point in (0..face.points.len()).filter(|point| !face.left_out[*point]) {
                 let exact = face.value(point, |number| of_rows(&search).at(number, of_step), contact) / size;
                 let off = (f64::from(seen.values[point]) - exact).abs();
