@@ -53,10 +53,16 @@ pub(super) fn of_points(points: &Points) -> Option<InfinitePlate> {
 /// scatter need about as many vectors as all echoes: on a pane on springs, 704 instead of 1037 at 3e-3, on finer cells.
 const LEAST_TOLERANCE: f64 = 4e-3;
 
+/// Least stiffness of the springs along an edge, over the stiffness D (π/L)³ of the plate against its longest wave, for
+/// which short waves are computed in closed form. Corners between free edges scatter more: late in the contact on a free
+/// pane the error was 1.5 times the difference by which it is estimated. Bases with all echoes, which meet the
+/// tolerance there, take as long.
+const LEAST_EDGE_STIFFNESS: f64 = 3.0;
+
 /// A scene's plate with the springs along its edges, for waves of Mindlin's theory.
 ///
-/// `None` if its waves are not computed in closed form: if parts of the edges or of the faces have supports, which
-/// reflect waves too, or if there are dampers or foundation pads. Also `None` if the basis must contain the short waves:
+/// `None` if its waves are not computed in closed form: if an edge is free or on soft springs, if parts of the edges or
+/// of the faces have supports, which reflect waves too, or if there are dampers or foundation pads. Also `None` if the basis must contain the short waves:
 /// if the tolerance is small or applies to tensions, if a strength is given, if other points than the hit are read, and
 /// if loads or moving supports act.
 pub(super) fn rectangle(
@@ -91,6 +97,13 @@ pub(super) fn rectangle(
             springs.rotation += stiffness[*axis] * inertia;
             springs.twist += stiffness[geometry.axes[1 - across]] * inertia;
         }
+    }
+    let is_soft = |axis: usize| {
+        let least = LEAST_EDGE_STIFFNESS * (PI / geometry.edges[axis]).powi(3);
+        edges[axis].iter().any(|edge: &EdgeSprings| edge.deflection < least)
+    };
+    if is_soft(0) || is_soft(1) {
+        return None;
     }
     Some(RectangularPlate {
         lengths: geometry.edges,
@@ -207,7 +220,8 @@ fn of_mindlin(section: &Section, local: &Local, multiplicity: f64, longest: f64)
 mod tests {
     use super::*;
 
-    /// Closed forms are used for free, clamped and sprung edges only, and where nothing else needs the short waves.
+    /// Closed forms are used for edges that are clamped or on stiff springs only, and where nothing else needs the short
+    /// waves.
     #[test]
     fn closed_forms_are_used_where_they_hold() {
         let is_known = |text: &str| {
@@ -217,17 +231,20 @@ mod tests {
             infinite_plate(&scene, PlateTheory::Mindlin).expect("a plate").rectangle.is_some()
         };
         let support = |keys: &str| is_known(&format!("[[support]]\nsurface = \"side\"\n{keys}"));
-        assert!(is_known(""));
+        assert!(!is_known(""));
+        assert!(!support("kind = \"elastic\"\nstiffness = [0.0, 0.0, 1e7]"));
         assert!(support("kind = \"clamped\""));
         assert!(support("kind = \"elastic\"\nstiffness = [0.0, 0.0, 5e8]"));
         assert!(!support("kind = \"elastic\"\nstiffness = 5e8\ndamping = 1e4"));
         assert!(!support("kind = \"elastic\"\nstiffness = 5e8\nwithin = { box = [[-0.1, -2, -1], [0.1, 2, 1]] }"));
         assert!(!support("kind = \"elastic\"\nstiffness = 5e8\ndisplacement = [0.0, 0.0, 1e-3]"));
-        assert!(!is_known("[[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e8]"));
-        assert!(!is_known("[load]\ngravity = [0.0, 0.0, -9.81]"));
-        assert!(!is_known("[accuracy]\ntolerance = 1e-3"));
-        assert!(!is_known("[accuracy]\nquantity = \"stress\""));
-        assert!(!is_known("[strength]\ntension = 45e6"));
-        assert!(!is_known("[output]\nprobes = [{ name = \"edge\", point = [0.4, 0.1, 0.0] }]"));
+        assert!(!support(
+            "kind = \"clamped\"\n[[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e8]"
+        ));
+        assert!(!support("kind = \"clamped\"\n[load]\ngravity = [0.0, 0.0, -9.81]"));
+        assert!(!support("kind = \"clamped\"\n[accuracy]\ntolerance = 1e-3"));
+        assert!(!support("kind = \"clamped\"\n[accuracy]\nquantity = \"stress\""));
+        assert!(!support("kind = \"clamped\"\n[strength]\ntension = 45e6"));
+        assert!(!support("kind = \"clamped\"\n[output]\nprobes = [{ name = \"edge\", point = [0.4, 0.1, 0.0] }]"));
     }
 }
