@@ -62,12 +62,13 @@ impl Map {
 
 /// Renumbers the unknowns that the forms use, and returns these unknowns, ascending.
 pub fn renumbered(forms: &mut [Form]) -> Vec<usize> {
-    let mut needed: Vec<usize> = forms.iter().flatten().map(|(unknown, _)| *unknown).collect();
-    needed.sort_unstable();
-    needed.dedup();
-    for (unknown, _) in forms.iter_mut().flatten() {
-        *unknown = needed.partition_point(|before| before < unknown);
-    }
+    let end = forms.iter().flatten().map(|(unknown, _)| unknown + 1).max().unwrap_or_default();
+    let mut is_needed = vec![false; end];
+    forms.iter().flatten().for_each(|(unknown, _)| is_needed[*unknown] = true);
+    let needed: Vec<usize> = (0..end).filter(|unknown| is_needed[*unknown]).collect();
+    let mut numbers = vec![0; end];
+    needed.iter().enumerate().for_each(|(number, unknown)| numbers[*unknown] = number);
+    forms.iter_mut().flatten().for_each(|(unknown, _)| *unknown = numbers[*unknown]);
     needed
 }
 
