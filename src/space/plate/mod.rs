@@ -161,7 +161,7 @@ pub struct Local {
 pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), String> {
     let geometry = geometry(scene, theory)?;
     if theory == PlateTheory::Layerwise {
-        Laminate::new(scene, &geometry, &Description::new(scene).parts, &Settings::default())?;
+        Laminate::without_local(scene, &geometry, &Description::new(scene).parts, &Settings::default())?;
     }
     Ok(())
 }
