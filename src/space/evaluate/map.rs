@@ -16,21 +16,23 @@ impl Map {
     pub fn new(forms: impl Iterator<Item = Form>, basis: Option<&[Vec<f64>]>) -> Self {
         match basis {
             None => Self::Sparse(forms.collect()),
-            Some(basis) => {
-                let count = basis.len();
-                let mut forms: Vec<Form> = forms.collect();
-                let needed = renumbered(&mut forms);
-                // Rows by unknown, so that a form is a sum of rows.
-                let by_unknown: Vec<f64> =
-                    needed.iter().flat_map(|&unknown| basis.iter().map(move |vector| vector[unknown])).collect();
-                let mut coefficients = vec![0.0; forms.len() * count];
-                for (form, row) in forms.iter().zip(coefficients.chunks_exact_mut(count.max(1))) {
-                    // Compiled for the vector units of each kind of processor.
-                    pulp::Arch::new().dispatch(|| add(form, &by_unknown, row));
-                }
-                Self::Dense(count, coefficients)
-            }
+            Some(basis) => Self::Dense(basis.len(), Self::coefficients(forms.collect(), basis)),
         }
+    }
+
+    /// Coefficients of forms on the coordinates of a basis, form by form.
+    pub fn coefficients(mut forms: Vec<Form>, basis: &[Vec<f64>]) -> Vec<f64> {
+        let count = basis.len();
+        let needed = renumbered(&mut forms);
+        // Rows by unknown, so that a form is a sum of rows.
+        let by_unknown: Vec<f64> =
+            needed.iter().flat_map(|&unknown| basis.iter().map(move |vector| vector[unknown])).collect();
+        let mut coefficients = vec![0.0; forms.len() * count];
+        for (form, row) in forms.iter().zip(coefficients.chunks_exact_mut(count.max(1))) {
+            // Compiled for the vector units of each kind of processor.
+            pulp::Arch::new().dispatch(|| add(form, &by_unknown, row));
+        }
+        coefficients
     }
 
     /// Number of forms.
