@@ -12,7 +12,7 @@ pub const WIDTH: usize = 6;
 /// Piecewise polynomials on the cells between given breaks, represented by B-splines on open knots. At the start of the
 /// line the first function is 1 and all others are 0; at the end the last function is 1 (de Boor, A Practical Guide to
 /// Splines, 1978).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Spline {
     degree: usize,
     breaks: Vec<f64>,

@@ -64,17 +64,20 @@ pub struct Linear<const D: usize> {
 #[derive(Debug, Clone)]
 pub struct Tensor<const D: usize> {
     fields: Vec<[Spline; D]>,
+    /// For each field and axis, the number of the first field with the same spline along that axis.
+    first_alike: Vec<[usize; D]>,
 }
 
 /// Product of two parts in a form.
 struct Term<const D: usize> {
     /// Factor of the product.
     factor: f64,
-    /// Index in [`Known`] of the integrals along each axis.
+    /// Number in [`Integrals`] of the products along each axis.
     axes: [usize; D],
 }
 
 /// Integrals along one axis of products of the functions of two fields.
+#[derive(Debug)]
 struct Products {
     /// One column for each function of the first field, one row for each function of the second.
     values: DMatrix<f64>,
@@ -83,23 +86,36 @@ struct Products {
     met: Vec<Range<usize>>,
 }
 
-/// Integrals of products along an axis, with their factors. They are stored because forms share many of them.
-type Known = Vec<(Factors, Products)>;
+/// Integrals of products along the axes of one [`Tensor`], with their factors. They are stored because forms share many
+/// of them.
+#[derive(Debug, Default)]
+pub struct Integrals(Vec<(Factors, Products)>);
 
 /// Factors of an integral along an axis: derivatives of the functions of two fields.
-#[derive(PartialEq)]
+#[derive(Debug, PartialEq)]
 struct Factors {
     axis: usize,
     place: Along,
+    /// For each factor, the first field with the same spline along the axis.
     fields: [usize; 2],
     /// Order of the derivative of each field.
     derivatives: [usize; 2],
 }
 
+impl Integrals {
+    fn products(&self, number: usize) -> &Products {
+        &self.0[number].1
+    }
+}
+
 impl<const D: usize> Tensor<D> {
     /// Tensor-product space of fields, numbered in this order.
     pub fn new(fields: Vec<[Spline; D]>) -> Self {
-        Self { fields }
+        let first = |field: usize, axis: usize| {
+            (0..field).find(|other| fields[*other][axis] == fields[field][axis]).unwrap_or(field)
+        };
+        let first_alike = (0..fields.len()).map(|field| std::array::from_fn(|axis| first(field, axis))).collect();
+        Self { fields, first_alike }
     }
 
     /// Number of unknowns of all fields.
@@ -131,17 +147,22 @@ impl<const D: usize> Tensor<D> {
     /// Assembles the matrix of a sum of forms, symmetric to the last bit. The sparsity pattern depends on the fields
     /// that the forms couple and on the places of the forms, but not on the derivatives.
     pub fn matrix(&self, forms: &[Square<D>]) -> CsrMatrix<f64> {
+        self.matrix_sharing(forms, &mut Integrals::default())
+    }
+
+    /// Same as [`Tensor::matrix`] with the integrals of earlier forms. New integrals are added to them.
+    pub fn matrix_sharing(&self, forms: &[Square<D>], integrals: &mut Integrals) -> CsrMatrix<f64> {
         let count = self.fields.len();
-        let (mut upper, mut known) = (Rows::default(), Known::new());
+        let mut upper = Rows::default();
         for f in 0..count {
             let blocks: Vec<(usize, Vec<Term<D>>)> = (f..count)
-                .map(|g| (g, self.terms([f, g], forms, &mut known)))
+                .map(|g| (g, self.terms([f, g], forms, integrals)))
                 .filter(|(_, terms)| !terms.is_empty())
                 .collect();
             for functions in indices(self.fields[f].each_ref().map(|spline| 0..spline.functions())) {
                 let row = self.unknown(f, functions);
                 for (g, terms) in &blocks {
-                    self.add_row((row, functions), (*g, terms), &known, &mut upper);
+                    self.add_row((row, functions), (*g, terms), integrals, &mut upper);
                 }
                 upper.ends.push(upper.columns.len());
             }
@@ -151,14 +172,14 @@ impl<const D: usize> Tensor<D> {
 
     /// Terms that couple two fields in a sum of forms. Terms with the same integrals along the last axis are
     /// consecutive.
-    fn terms(&self, [f, g]: [usize; 2], forms: &[Square<D>], known: &mut Known) -> Vec<Term<D>> {
+    fn terms(&self, [f, g]: [usize; 2], forms: &[Square<D>], integrals: &mut Integrals) -> Vec<Term<D>> {
         let mut terms: Vec<Term<D>> = Vec::new();
         for form in forms {
             for (a, b) in form.parts.iter().flat_map(|a| form.parts.iter().map(move |b| (a, b))) {
                 if (a.field, b.field) != (f, g) {
                     continue;
                 }
-                let axes = std::array::from_fn(|axis| self.along(axis, form.place[axis], [*a, *b], known));
+                let axes = std::array::from_fn(|axis| self.along(axis, form.place[axis], [*a, *b], integrals));
                 match terms.iter_mut().find(|term| term.axes == axes) {
                     Some(term) => term.factor += form.factor,
                     None => terms.push(Term { factor: form.factor, axes }),
@@ -169,11 +190,12 @@ impl<const D: usize> Tensor<D> {
         terms
     }
 
-    /// Index in `known` of the products of two parts along one axis; computes them if necessary.
-    fn along(&self, axis: usize, place: Along, parts: [Part<D>; 2], known: &mut Known) -> usize {
+    /// Number of the products of two parts along one axis in `integrals`; computes them if necessary.
+    fn along(&self, axis: usize, place: Along, parts: [Part<D>; 2], integrals: &mut Integrals) -> usize {
         let derivatives = parts.map(|part| part.derivatives[axis]);
-        let factors = Factors { axis, place, fields: parts.map(|part| part.field), derivatives };
-        if let Some(number) = known.iter().position(|(of, _)| *of == factors) {
+        let factors =
+            Factors { axis, place, fields: parts.map(|part| self.first_alike[part.field][axis]), derivatives };
+        if let Some(number) = integrals.0.iter().position(|(of, _)| *of == factors) {
             return number;
         }
         let [s, t] = parts.map(|part| &self.fields[part.field][axis]);
@@ -190,13 +212,13 @@ impl<const D: usize> Tensor<D> {
             // not zero.
             Along::All | Along::Within(_) if derivatives != [0, 0] => {
                 let values = parts.map(|part| Part { derivatives: [0; D], ..part });
-                let number = self.along(axis, place, values, known);
-                known[number].1.met.clone()
+                let number = self.along(axis, place, values, integrals);
+                integrals.products(number).met.clone()
             }
             _ => values.column_iter().map(|column| within_ends(column.as_slice())).collect(),
         };
-        known.push((factors, Products { values, met }));
-        known.len() - 1
+        integrals.0.push((factors, Products { values, met }));
+        integrals.0.len() - 1
     }
 
     /// Adds the entries of a row in the columns of one field, from the diagonal on. The row is given by its number and
@@ -205,11 +227,11 @@ impl<const D: usize> Tensor<D> {
         &self,
         (row, functions): (usize, [usize; D]),
         (field, terms): (usize, &[Term<D>]),
-        known: &Known,
+        integrals: &Integrals,
         rows: &mut Rows,
     ) {
         let met = |term: &Term<D>| -> [Range<usize>; D] {
-            std::array::from_fn(|axis| known[term.axes[axis]].1.met[functions[axis]].clone())
+            std::array::from_fn(|axis| integrals.products(term.axes[axis]).met[functions[axis]].clone())
         };
         let present: Vec<&Term<D>> =
             terms.iter().filter(|term| met(term).iter().all(|range| !range.is_empty())).collect();
@@ -231,12 +253,13 @@ impl<const D: usize> Tensor<D> {
             line.fill(0.0);
             for same in present.chunk_by(|one, other| one.axes[D - 1] == other.axes[D - 1]) {
                 let before = |term: &&Term<D>| -> f64 {
-                    let along = (0..D - 1).map(|axis| known[term.axes[axis]].1.values[(start[axis], functions[axis])]);
+                    let along = (0..D - 1)
+                        .map(|axis| integrals.products(term.axes[axis]).values[(start[axis], functions[axis])]);
                     along.fold(term.factor, |product, value| product * value)
                 };
                 let factor: f64 = same.iter().map(before).sum();
                 if factor != 0.0 {
-                    let values = &known[same[0].axes[D - 1]].1.values;
+                    let values = &integrals.products(same[0].axes[D - 1]).values;
                     let first = functions[D - 1] * values.nrows();
                     let values = &values.as_slice()[first + last.start..first + last.end];
                     line.iter_mut().zip(values).for_each(|(sum, v)| *sum += factor * v);

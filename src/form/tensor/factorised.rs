@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use super::{Known, Square, Tensor};
+use super::{Integrals, Square, Tensor};
 
 /// Matrix of a sum of forms, stored as products along the axes.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ struct Grid {
 #[derive(Debug)]
 struct AlongFirst {
     field: usize,
-    /// Index of the integrals in [`Known`].
+    /// Number of the integrals in [`Integrals`].
     integrals: usize,
     band: Band,
 }
@@ -43,7 +43,7 @@ struct AlongFirst {
 #[derive(Debug)]
 struct AlongSecond {
     field: usize,
-    /// Index of the integrals in [`Known`].
+    /// Number of the integrals in [`Integrals`].
     integrals: usize,
     band: Band,
     /// Indices in [`SumFactorised::first`], with factors.
@@ -111,22 +111,21 @@ impl Band {
 }
 
 impl Tensor<2> {
-    /// Matrix of a sum of forms, the same as [`Tensor::matrix`], for products only.
-    pub fn factorised(&self, forms: &[Square<2>]) -> SumFactorised {
+    /// Matrix of a sum of forms, the same as [`Tensor::matrix_sharing`], for products only.
+    pub fn factorised(&self, forms: &[Square<2>], integrals: &mut Integrals) -> SumFactorised {
         let grid = |field: usize| Grid {
             unknowns: self.first(field)..self.first(field + 1),
             functions: self.fields[field].each_ref().map(super::Spline::functions),
         };
         let count = self.fields.len();
         let mut all = SumFactorised { fields: (0..count).map(grid).collect(), first: Vec::new(), second: Vec::new() };
-        let mut known = Known::new();
         for (to, from) in (0..count).flat_map(|to| (0..count).map(move |from| (to, from))) {
             // The matrices of the terms have a column for each function of the first field in the pair.
-            for term in self.terms([from, to], forms, &mut known) {
+            for term in self.terms([from, to], forms, integrals) {
                 let [along_first, along_second] = term.axes;
                 let same = |one: &AlongFirst| (one.field, one.integrals) == (from, along_first);
                 let number = all.first.iter().position(same).unwrap_or_else(|| {
-                    let band = Band::new(&known[along_first].1.values);
+                    let band = Band::new(&integrals.products(along_first).values);
                     all.first.push(AlongFirst { field: from, integrals: along_first, band });
                     all.first.len() - 1
                 });
@@ -134,7 +133,7 @@ impl Tensor<2> {
                 match all.second.iter_mut().find(|one| same(one)) {
                     Some(sum) => sum.terms.push((number, term.factor)),
                     None => {
-                        let band = Band::new(&known[along_second].1.values);
+                        let band = Band::new(&integrals.products(along_second).values);
                         let terms = vec![(number, term.factor)];
                         all.second.push(AlongSecond { field: to, integrals: along_second, band, terms });
                     }

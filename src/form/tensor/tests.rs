@@ -160,7 +160,8 @@ fn products_along_the_axes_are_those_of_the_matrix() {
         .map(|((place, parts), factor)| Square { factor, parts, place })
         .collect();
     for count in 1..=forms.len() {
-        let (matrix, factorised) = (tensor.matrix(&forms[..count]), tensor.factorised(&forms[..count]));
+        let (matrix, factorised) =
+            (tensor.matrix(&forms[..count]), tensor.factorised(&forms[..count], &mut Integrals::default()));
         let unknowns = tensor.unknowns();
         let x: Vec<f64> = (0..3 * unknowns).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
         let exact = &matrix * &DMatrix::from_column_slice(unknowns, 3, &x);

@@ -221,8 +221,24 @@ pub(super) struct PointReading {
     pub is_whole: bool,
 }
 
-/// Faces of a box normal to an axis, or of its layers, with the forms of the stresses at their points, three each.
-/// `layers` are the ends of the layers; `soft` says for each layer, from the impacted face, whether it is soft.
+/// Faces of a box, or of its layers.
+pub(super) struct BoxFaces {
+    pub faces: Vec<Face>,
+    /// Forms of the stresses at the sampled points, three each.
+    pub forms: Vec<Form>,
+    /// In-plane stresses that were sampled, face by face.
+    pub sampled: Vec<SampledFace>,
+}
+
+/// In-plane stresses at the points of a face.
+pub(super) struct SampledFace {
+    /// Number of the first sampled point.
+    pub first: usize,
+    /// Coordinate of the points along the axis normal to the face, m.
+    pub height: f64,
+}
+
+/// Faces of a box normal to an axis, or of its layers, with the forms of the stresses at their points. `layers` are the ends of the layers; `soft` says for each layer, from the impacted face, whether it is soft.
 pub(super) fn of_box(
     (struck, hit): (usize, Vec3),
     (layers, soft): (&[f64], &[bool]),
@@ -230,7 +246,7 @@ pub(super) fn of_box(
     bends_alone: bool,
     at: impl Fn(Vec3, PointReading) -> [Form; 6],
     near: Option<&NearHit>,
-) -> (Vec<Face>, Vec<Form>) {
+) -> BoxFaces {
     let axes = grid.axes;
     let half = lines[struck].last().copied().unwrap_or_default();
     let outer = [-half, half];
@@ -258,7 +274,7 @@ pub(super) fn of_box(
     };
     let [a, b] = axes;
     let (in_plane, across) = ([a, b, place(a, b)], [place(a, struck), place(b, struck), struck]);
-    let (mut faces, mut forms): (Vec<Face>, Vec<Form>) = (Vec::new(), Vec::new());
+    let (mut faces, mut forms, mut sampled) = (Vec::<Face>::new(), Vec::new(), Vec::new());
     let levels = levels(layers, hit[struck] > 0.0);
     let count = levels.len();
     for (number, Level { name, layer, height, read_at }) in levels.into_iter().enumerate() {
@@ -276,6 +292,7 @@ pub(super) fn of_box(
                     forms.extend(of_points);
                 };
                 take(in_plane);
+                sampled.push(SampledFace { first, height: read_at });
                 if is_soft {
                     take(across);
                 }
@@ -288,7 +305,7 @@ pub(super) fn of_box(
         faces.push(Face { name, points, first, across, local, left_out, sign, grid: Some(grid.clone()) });
     }
     faces.reverse();
-    (faces, forms)
+    BoxFaces { faces, forms, sampled }
 }
 
 /// Faces of a mesh, and the nodes on them, face by face. The faces are the named surfaces or, for a box impacted along

@@ -375,22 +375,20 @@ impl LineStresses {
         }
     }
 
-    /// The stresses as forms on the coordinates. The forms are zero at the crossings that are left out.
-    pub fn dense(&self, left_out: &[bool]) -> Map {
-        let count = self.count;
-        let mut entries = vec![0.0; 3 * self.crossings() * count];
-        let mut first = 0;
+    /// Writes the stresses at some of the crossings as forms on the coordinates. `rows` holds three forms for each
+    /// crossing.
+    pub fn write_forms(&self, is_wanted: impl Fn(usize) -> bool, rows: &mut [f64]) {
+        let (count, mut first) = (self.count, 0);
         self.each(DMatrix::<f64>::identity(count, count).as_slice(), |together| {
             let (some, stresses) = (together.steps(), together.stresses());
-            let crossings = entries.chunks_exact_mut(3 * count).zip(&stresses).zip(left_out);
-            for ((rows, stresses), _) in crossings.filter(|(_, is_left_out)| !**is_left_out) {
+            let crossings = rows.chunks_exact_mut(3 * count).zip(&stresses).enumerate();
+            for (_, (rows, stresses)) in crossings.filter(|(crossing, _)| is_wanted(*crossing)) {
                 for (row, together) in rows.chunks_exact_mut(count).zip(stresses) {
                     row[first..first + some].copy_from_slice(&together[..some]);
                 }
             }
             first += some;
         });
-        Map::Dense(count, entries)
     }
 
     /// Stresses of one step, crossing by crossing.

@@ -16,21 +16,23 @@ impl Map {
     pub fn new(forms: impl Iterator<Item = Form>, basis: Option<&[Vec<f64>]>) -> Self {
         match basis {
             None => Self::Sparse(forms.collect()),
-            Some(basis) => {
-                let count = basis.len();
-                let mut forms: Vec<Form> = forms.collect();
-                let needed = renumbered(&mut forms);
-                // Rows by unknown, so that a form is a sum of rows.
-                let by_unknown: Vec<f64> =
-                    needed.iter().flat_map(|&unknown| basis.iter().map(move |vector| vector[unknown])).collect();
-                let mut coefficients = vec![0.0; forms.len() * count];
-                for (form, row) in forms.iter().zip(coefficients.chunks_exact_mut(count.max(1))) {
-                    // Compiled for the vector units of each kind of processor.
-                    pulp::Arch::new().dispatch(|| add(form, &by_unknown, row));
-                }
-                Self::Dense(count, coefficients)
-            }
+            Some(basis) => Self::Dense(basis.len(), Self::coefficients(forms.collect(), basis)),
         }
+    }
+
+    /// Coefficients of forms on the coordinates of a basis, form by form.
+    pub fn coefficients(mut forms: Vec<Form>, basis: &[Vec<f64>]) -> Vec<f64> {
+        let count = basis.len();
+        let needed = renumbered(&mut forms);
+        // Rows by unknown, so that a form is a sum of rows.
+        let by_unknown: Vec<f64> =
+            needed.iter().flat_map(|&unknown| basis.iter().map(move |vector| vector[unknown])).collect();
+        let mut coefficients = vec![0.0; forms.len() * count];
+        for (form, row) in forms.iter().zip(coefficients.chunks_exact_mut(count.max(1))) {
+            // Compiled for the vector units of each kind of processor.
+            pulp::Arch::new().dispatch(|| add(form, &by_unknown, row));
+        }
+        coefficients
     }
 
     /// Number of forms.
@@ -62,12 +64,13 @@ impl Map {
 
 /// Renumbers the unknowns that the forms use, and returns these unknowns, ascending.
 pub fn renumbered(forms: &mut [Form]) -> Vec<usize> {
-    let mut needed: Vec<usize> = forms.iter().flatten().map(|(unknown, _)| *unknown).collect();
-    needed.sort_unstable();
-    needed.dedup();
-    for (unknown, _) in forms.iter_mut().flatten() {
-        *unknown = needed.partition_point(|before| before < unknown);
-    }
+    let end = forms.iter().flatten().map(|(unknown, _)| unknown + 1).max().unwrap_or_default();
+    let mut is_needed = vec![false; end];
+    forms.iter().flatten().for_each(|(unknown, _)| is_needed[*unknown] = true);
+    let needed: Vec<usize> = (0..end).filter(|unknown| is_needed[*unknown]).collect();
+    let mut numbers = vec![0; end];
+    needed.iter().enumerate().for_each(|(number, unknown)| numbers[*unknown] = number);
+    forms.iter_mut().flatten().for_each(|(unknown, _)| *unknown = numbers[*unknown]);
     needed
 }
 

@@ -34,7 +34,7 @@ use crate::scene::faces::along;
 use crate::scene::{Scene, Symmetry, Vec3};
 
 use super::finite_element::Nodes;
-use faces::WITHIN;
+use faces::{BoxFaces, SampledFace, WITHIN};
 use smoothed::smoothed;
 use stress_map::Recovered;
 
@@ -71,9 +71,8 @@ pub trait PointEvaluator {
         self.at(x).stress
     }
 
-    /// In-plane stresses of a face at a height (m, along the axis normal to it) at the crossings of lines along its
-    /// axes, ascending. `None` if they are evaluated point by point.
-    fn face_lines(&self, _lines: [&[f64]; 2], _height: f64) -> Option<FaceLines> {
+    /// Evaluates the in-plane stresses of faces line by line; `None` if they are evaluated point by point.
+    fn on_face_lines(&self) -> Option<&dyn FaceLineEvaluator> {
         None
     }
 
@@ -107,6 +106,17 @@ pub trait PointEvaluator {
             });
         }
     }
+}
+
+/// A body whose in-plane stresses can be evaluated on lines along a face.
+pub trait FaceLineEvaluator {
+    /// In-plane stresses of a face at a height (m, along the axis normal to it) at the crossings of lines along its
+    /// axes, ascending.
+    fn in_plane(&self, lines: [&[f64]; 2], height: f64) -> FaceLines;
+
+    /// Stresses across the face at one of its points, without the in-plane stresses. An unknown may occur more than
+    /// once.
+    fn across(&self, x: Vec3) -> [Form; 6];
 }
 
 /// A body that can be evaluated at points. If a quarter is modelled, the whole body can be evaluated.
@@ -170,26 +180,24 @@ impl Evaluator {
                 let hit = (struck, scene.impactor.point);
                 let lines = points.cell_lines().map(|lines| divided(&lines, FACE_PIECES));
                 let grid = FaceGrid::of_box(hit, &lines, &self.mirrors);
-                let lower = -lines[struck].last().copied().unwrap_or_default().copysign(hit.1[struck]);
-                let at_lines = [0, 1].map(|i| &grid.lines[i][..]);
-                // If both faces share their points, these belong to the lower face, which is the last.
-                let on_lines = basis.filter(|_| points.bends_alone());
-                let on_lines = on_lines.and_then(|basis| Some((points.face_lines(at_lines, lower)?, basis)));
-                let (faces, forms) = faces::of_box(
+                let on_lines = basis.and_then(|basis| Some((points.on_face_lines()?, basis)));
+                let BoxFaces { faces, forms, sampled } = faces::of_box(
                     hit,
                     (&scene.hit_layers(), &scene.soft_layers()),
-                    (&lines, grid),
+                    (&lines, grid.clone()),
                     points.bends_alone(),
-                    |x, reading| match &on_lines {
+                    |x, reading| match on_lines {
                         _ if reading.is_smoothed => self.stress(points.as_ref(), x),
                         None if reading.is_whole => points.whole_stress(x),
                         None => points.face_stress(x),
+                        Some((on_lines, _)) if reading.is_whole => on_lines.across(x),
                         Some(_) => Default::default(),
                     },
                     self.near.as_deref(),
                 );
-                let map = match on_lines {
-                    Some((lines, basis)) => {
+                let at_lines = grid.lines.each_ref().map(Vec::as_slice);
+                let map = match (on_lines, &sampled[..]) {
+                    (Some((on_lines, basis)), [SampledFace { height, .. }]) if basis.len() >= LONG_BASIS => {
                         let mut apart = Vec::new();
                         let mut forms = forms.into_iter();
                         for crossing in 0..forms.len() / 3 {
@@ -198,16 +206,20 @@ impl Evaluator {
                                 apart.push((crossing, Map::new(of_point.into_iter(), Some(basis))));
                             }
                         }
-                        let lines = LineStresses::new(lines, apart, basis);
-                        if basis.len() < LONG_BASIS {
-                            // If both faces share their points, both leave out the same points.
-                            let map = lines.dense(&faces[faces.len() - 1].left_out);
-                            StressMap::Forms { map, components: 3 }
-                        } else {
-                            StressMap::Lines(lines)
-                        }
+                        StressMap::Lines(LineStresses::new(on_lines.in_plane(at_lines, *height), apart, basis))
                     }
-                    None => StressMap::Forms { map: Map::new(forms.into_iter(), basis), components: 3 },
+                    (Some((on_lines, basis)), sampled) => {
+                        let is_apart: Vec<bool> = forms.iter().step_by(3).map(|form| !form.is_empty()).collect();
+                        let (count, mut rows) = (basis.len(), Map::coefficients(forms, basis));
+                        for SampledFace { first, height } in sampled {
+                            let lines = LineStresses::new(on_lines.in_plane(at_lines, *height), Vec::new(), basis);
+                            // All faces leave out the same points.
+                            let is_on_lines = |point: usize| !is_apart[first + point] && !faces[0].left_out[point];
+                            lines.write_forms(is_on_lines, &mut rows[3 * first * count..]);
+                        }
+                        StressMap::Forms { map: Map::Dense(count, rows), components: 3 }
+                    }
+                    (None, _) => StressMap::Forms { map: Map::new(forms.into_iter(), basis), components: 3 },
                 };
                 (faces, map)
             }

@@ -1,18 +1,17 @@
 //! Stresses at the crossings of grid lines on a face of a plate, as products of functions along the axes.
 
-use crate::form::plate::{Section, rotation};
+use crate::form::layerwise::is_rotation;
 use crate::form::{Parity, Spline};
 use crate::space::evaluate::{AtPlace, FaceLines, LinePart, Lines};
 
-use super::points::Points;
+use super::points::{Law, Points};
 
 impl Points {
     /// In-plane stresses σ_a, σ_b and σ_ab at the crossings of lines along the axes of the plane. `height` (m) is along
     /// the axis of the scene normal to the plate.
     pub(super) fn stress_on_lines(&self, lines: [&[f64]; 2], height: f64) -> FaceLines {
         let height = self.geometry.sign * height;
-        let Section { young, poisson, .. } = self.section;
-        let (plane, shear) = (young / (1.0 - poisson * poisson), 0.5 * young / (1.0 + poisson));
+        let Law { plane, poisson, shear, .. } = self.law(height);
         // Derivatives of u_a and u_b along a and b, with their factors in σ_a, σ_b and σ_ab.
         let slopes = [
             (0, [1, 0], [plane, plane * poisson, 0.0]),
@@ -36,8 +35,7 @@ impl Points {
                     }
                     let flips = [0, 1].map(|i| {
                         // A rotation is a slope: it is odd if the deflection is even.
-                        let is_slope = part.field == rotation(i, [0, 0]).field;
-                        let is_turned = (part.derivatives[i] + usize::from(is_slope)) % 2 == 1;
+                        let is_turned = (part.derivatives[i] + usize::from(is_rotation(part.field, i))) % 2 == 1;
                         (class[i] == Parity::Odd) != is_turned
                     });
                     let along = [0, 1].map(|i| along(&splines[i], part.derivatives[i], &all.lines[i].places));

@@ -38,7 +38,7 @@ use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
 use crate::form::plate::{DEFLECTION, Section};
-use crate::form::tensor::Square;
+use crate::form::tensor::{Integrals, Square};
 use crate::scene::{Fault, Scene};
 
 /// Options of a plate model that are not part of a scene.
@@ -161,7 +161,7 @@ pub struct Local {
 pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), String> {
     let geometry = geometry(scene, theory)?;
     if theory == PlateTheory::Layerwise {
-        Laminate::new(scene, &geometry, &Description::new(scene).parts, &Settings::default())?;
+        Laminate::without_local(scene, &geometry, &Description::new(scene).parts, &Settings::default())?;
     }
     Ok(())
 }
@@ -264,13 +264,13 @@ impl Plate {
         };
         let of_classes = |matrix: CsrMatrix<f64>| repeated(matrix, classes);
         let exchange = square::exchange(&points);
-        let mut factorised = Vec::new();
+        let (mut factorised, mut integrals) = (Vec::new(), Integrals::default());
         let mut of_forms = |operator: Operator, forms: &[Square<2>]| {
-            let matrix = points.tensor.matrix(forms);
+            let matrix = points.tensor.matrix_sharing(forms, &mut integrals);
             // A square that is symmetric about its diagonal is reduced to half of its unknowns, which have no product
             // form along the axes. Whether its supports are symmetric too is not known yet.
             if exchange.is_none() || matrix.nnz() > LARGE {
-                let along_axes = points.tensor.factorised(forms);
+                let along_axes = points.tensor.factorised(forms, &mut integrals);
                 if along_axes.multiplications() < matrix.nnz() / LEAST_SAVING {
                     factorised.push((operator, Rc::new(along_axes)));
                 }

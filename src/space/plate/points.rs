@@ -14,7 +14,9 @@ use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
 use crate::form::{Material, Parity, layerwise};
 use crate::scene::Vec3;
-use crate::space::evaluate::{Add, FaceLines, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
+use crate::space::evaluate::{
+    Add, FaceLineEvaluator, FaceLines, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed,
+};
 use crate::space::grid::GridField;
 use crate::stack::{Pressure, Sections};
 
@@ -39,12 +41,12 @@ pub struct Points {
 }
 
 /// Material law at a height.
-struct Law {
+pub(super) struct Law {
     /// Plane-stress modulus E/(1 − ν²), Pa.
-    plane: f64,
-    poisson: f64,
+    pub plane: f64,
+    pub poisson: f64,
     /// Shear modulus μ, Pa.
-    shear: f64,
+    pub shear: f64,
     /// Ratio of the transverse shear stress to the shear strain of the theory (Pa), and the number of the rotation in
     /// that strain; `None` for Kirchhoff's theory.
     across: Option<(f64, usize)>,
@@ -74,7 +76,7 @@ impl Points {
     }
 
     /// Material law at a height. An interface belongs to the layer nearer to the impact point.
-    fn law(&self, height: f64) -> Law {
+    pub(super) fn law(&self, height: f64) -> Law {
         let plane = |Material { young, poisson, .. }: Material| young / (1.0 - poisson * poisson);
         let shear = |Material { young, poisson, .. }: Material| 0.5 * young / (1.0 + poisson);
         match &self.laminate {
@@ -239,6 +241,28 @@ impl GridField for Points {
     }
 }
 
+impl FaceLineEvaluator for Points {
+    fn in_plane(&self, lines: [&[f64]; 2], height: f64) -> FaceLines {
+        self.stress_on_lines(lines, height)
+    }
+
+    fn across(&self, x: Vec3) -> [Form; 6] {
+        let mut stress: [Form; 6] = Default::default();
+        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
+        let (point, height) = self.seen(x);
+        if let Some((across, turned)) = self.law(height).across {
+            for (i, axis) in axes.into_iter().enumerate() {
+                let mut along = [0, 0];
+                along[i] = 1;
+                for part in [deflection(along), layerwise::rotation(turned, i, [0, 0])] {
+                    stress[place(axis, normal)].extend(self.form(part, point, sign * across));
+                }
+            }
+        }
+        stress
+    }
+}
+
 impl PointEvaluator for Points {
     fn at(&self, x: Vec3) -> Forms {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
@@ -350,23 +374,12 @@ impl PointEvaluator for Points {
 
     fn whole_stress(&self, x: Vec3) -> [Form; 6] {
         let mut stress = self.face_stress(x);
-        let PlateGeometry { axes, normal, sign, .. } = self.geometry;
-        let (point, height) = self.seen(x);
-        if let Some((across, turned)) = self.law(height).across {
-            for (i, axis) in axes.into_iter().enumerate() {
-                let mut along = [0, 0];
-                along[i] = 1;
-                for part in [deflection(along), layerwise::rotation(turned, i, [0, 0])] {
-                    stress[place(axis, normal)].extend(self.form(part, point, sign * across));
-                }
-            }
-        }
+        stress.iter_mut().zip(self.across(x)).for_each(|(all, across)| all.extend(across));
         stress
     }
 
-    fn face_lines(&self, lines: [&[f64]; 2], height: f64) -> Option<FaceLines> {
-        // With several layers there are more faces than the two outer ones.
-        self.laminate.is_none().then(|| self.stress_on_lines(lines, height))
+    fn on_face_lines(&self) -> Option<&dyn FaceLineEvaluator> {
+        Some(self)
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {

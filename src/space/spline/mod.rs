@@ -18,7 +18,7 @@ use crate::body::System;
 use crate::description::{Description, Part, Portion};
 use crate::error::Result;
 use crate::form::elastic::{VOLUME, elastic, mass};
-use crate::form::tensor::{Along, Square, Tensor};
+use crate::form::tensor::{Along, Integrals, Square, Tensor};
 use crate::form::{Lame, Parity, Spline};
 use crate::material::Maxwell;
 use crate::scene::{Fault, Scene, Vec3};
@@ -99,13 +99,15 @@ impl SplineSolid {
         let description = Description::new(scene);
         let tensor = tensor(&lines, &inner(&geometry.interfaces), patch.bends.then_some(geometry.struck));
         let parts = &description.parts;
-        let of_parts =
-            |forms: &dyn Fn(&Part) -> Vec<Square<3>>| tensor.matrix(&parts.iter().flat_map(forms).collect::<Vec<_>>());
+        let mut integrals = Integrals::default();
+        let mut of_parts = |forms: &dyn Fn(&Part) -> Vec<Square<3>>| {
+            tensor.matrix_sharing(&parts.iter().flat_map(forms).collect::<Vec<_>>(), &mut integrals)
+        };
         let mass = of_parts(&|part| mass(part.material.instantaneous.density, place(part)));
         let stiffness = of_parts(&|part| elastic(part.material.relaxed(), place(part)));
         let relaxation = |(chain, of): (&Maxwell, Vec<usize>)| {
             let forms: Vec<_> = of.iter().flat_map(|part| elastic(Lame::DEVIATORIC, place(&parts[*part]))).collect();
-            (tensor.matrix(&forms), chain.clone())
+            (tensor.matrix_sharing(&forms, &mut integrals), chain.clone())
         };
         let relaxations = description.relaxations().into_iter().map(relaxation).collect();
         let points = Points::new(

@@ -152,12 +152,14 @@ impl<'a> TensionSearch<'a> {
         let all = coordinates.all();
         match &self.stresses {
             Stresses::Rows(rows) => {
+                let mut columns = Vec::new();
                 for coordinates in all.chunks(BLOCK * rows.count) {
-                    let (columns, sizes) = rows.of_steps(coordinates);
-                    let each = columns.column_iter().zip(sizes).zip(coordinates.chunks_exact(rows.count));
+                    let sizes = rows.of_steps(coordinates, &mut columns);
+                    let each = columns.chunks_exact(3 * rows.points()).zip(sizes);
+                    let each = each.zip(coordinates.chunks_exact(rows.count));
                     for ((column, size), of_step) in each {
                         let at = |number: usize| rows.at(number, of_step);
-                        found.take(&OfStep { column: column.as_slice(), size, products: rows.count, largest: 1.0, at });
+                        found.take(&OfStep { column, size, products: rows.count, largest: 1.0, at });
                     }
                 }
             }
@@ -180,14 +182,15 @@ impl<'a> TensionSearch<'a> {
 
     /// Same as [`Self::tensions`] for the listed steps, ascending; the other steps have unknown tensions.
     fn tensions_of(&self, high: &[usize], rows: &StressRows, coordinates: Coordinates, mut found: Finding) -> Searched {
+        let mut columns = Vec::new();
         for steps in high.chunks(BLOCK) {
             let some = coordinates.of(steps, rows.count);
-            let (all, sizes) = rows.of_steps(&some);
-            let columns = all.column_iter().zip(some.chunks_exact(rows.count));
-            for ((&step, size), (column, of_step)) in steps.iter().zip(sizes).zip(columns) {
+            let sizes = rows.of_steps(&some, &mut columns);
+            let each = columns.chunks_exact(3 * rows.points()).zip(some.chunks_exact(rows.count));
+            for ((&step, size), (column, of_step)) in steps.iter().zip(sizes).zip(each) {
                 found.skip_to(step);
                 let at = |number: usize| rows.at(number, of_step);
-                found.take(&OfStep { column: column.as_slice(), size, products: rows.count, largest: 1.0, at });
+                found.take(&OfStep { column, size, products: rows.count, largest: 1.0, at });
             }
         }
         found.skip_to(found.contacts.len());

@@ -52,8 +52,8 @@ impl StressRows {
         self.scaled.nrows() / 3
     }
 
-    /// Stresses divided by S at some steps, one column for each, and S.
-    pub fn of_steps(&self, coordinates: &[f64]) -> (DMatrix<f32>, Vec<f64>) {
+    /// Writes the stresses divided by S at some steps, one column after the other, and returns S of each step.
+    pub fn of_steps(&self, coordinates: &[f64], columns: &mut Vec<f32>) -> Vec<f64> {
         let (mut sizes, mut scaled) = (Vec::new(), Vec::with_capacity(coordinates.len()));
         for of_step in coordinates.chunks(self.count) {
             let size: f64 = of_step.iter().zip(&self.scales).map(|(w, scale)| (w * scale).abs()).sum();
@@ -62,16 +62,16 @@ impl StressRows {
             sizes.push(size);
         }
         let (rows, steps) = (self.scaled.nrows(), sizes.len());
-        let mut all = DMatrix::zeros(rows, steps);
+        columns.resize(rows * steps, 0.0);
         matmul(
-            MatMut::from_column_major_slice_mut(all.as_mut_slice(), rows, steps),
+            MatMut::from_column_major_slice_mut(columns, rows, steps),
             Accum::Replace,
             MatRef::from_column_major_slice(self.scaled.as_slice(), rows, self.count),
             MatRef::from_column_major_slice(&scaled, self.count, steps),
             1.0,
             Par::Seq,
         );
-        (all, sizes)
+        sizes
     }
 
     /// Stresses at a sampled point in double precision.

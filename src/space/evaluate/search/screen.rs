@@ -78,12 +78,13 @@ impl Screen {
         let count = self.rows.count;
         let of_steps = coordinates.of(&looked_at, count);
         let (mut seen, mut tops) = (Seen::default(), Vec::with_capacity(looked_at.len()));
+        let mut columns = Vec::new();
         for (steps, coordinates) in looked_at.chunks(BLOCK).zip(of_steps.chunks(BLOCK * count)) {
-            let (all, sizes) = self.rows.of_steps(coordinates);
-            for ((&step, size), column) in steps.iter().zip(sizes).zip(all.column_iter()) {
-                seen.take(column.as_slice());
+            let sizes = self.rows.of_steps(coordinates, &mut columns);
+            for ((&step, size), column) in steps.iter().zip(sizes).zip(columns.chunks_exact(3 * self.rows.points())) {
+                seen.take(column);
                 let faces = self.faces.iter().zip(&self.local).map(|(face, local)| {
-                    seen.look((face, local), (column.as_slice(), size), &contacts[step], Wanted::Largest);
+                    seen.look((face, local), (column, size), &contacts[step], Wanted::Largest);
                     f64::from(seen.top) * size
                 });
                 // If the size is zero, as at rest, single precision gives no information.

@@ -18,6 +18,10 @@ pub(super) struct Seen {
     pub top: f32,
 }
 
+/// Added to upper bounds in single precision, so that they remain bounds with their roundings. Stresses divided by S are
+/// at most about 1.
+const CEILING_MARGIN: f32 = 64.0 * f32::EPSILON;
+
 /// The larger of two values; the first if the second is NaN.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
@@ -84,21 +88,24 @@ impl Seen {
         beyond.fill(f32::NEG_INFINITY);
         match face.across {
             Some(first) => {
-                let of = |first: usize, point: usize| {
-                    [0, 1, 2].map(|part| f64::from(column[part * sampled + first + point]))
-                };
+                let across = [0, 1, 2].map(|part| &column[part * sampled + first..][..count]);
+                // Most points are far below the largest; the ceiling takes square roots, which are cheaper than an arc
+                // cosine.
+                pulp::Arch::new().dispatch(Limiting { sign, in_plane: [mean, half, shear], across, values });
                 let (mut lacking, mut top) = (local.whole_under(contact).peekable(), f32::NEG_INFINITY);
                 for (point, value) in values.iter_mut().enumerate() {
-                    let (mut in_plane, mut across) =
-                        (of(face.first, point).map(|part| face.sign * part), of(first, point));
+                    let more = lacking.next_if(|(of, _)| *of == point);
+                    if more.is_none() && wanted.is_out(point, *value, (top, size)) {
+                        continue;
+                    }
+                    let mut in_plane = [mean, half, shear].map(|parts| face.sign * f64::from(parts[point]));
+                    let mut across = across.map(|parts| f64::from(parts[point]));
                     // On a plate in bending, transverse shear is the same on both faces.
                     across[2] *= face.sign;
-                    if let Some((_, more)) = lacking.next_if(|(of, _)| *of == point) {
+                    if let Some((_, more)) = more {
                         (0..3).for_each(|i| in_plane[i] += more[0][i] / size);
                         (0..3).for_each(|i| across[i] += more[1][i] / size);
                     }
-                    // Most points are far below the largest; the ceiling takes square roots, which are cheaper than an
-                    // arc cosine.
                     let ceiling = known(ceiling_of(in_plane, across));
                     *value = match face.left_out[point] {
                         true => f32::NEG_INFINITY,
@@ -166,6 +173,31 @@ impl pulp::NullaryFnOnce for Adding<'_> {
     fn call(self) {
         let parts = self.mean.iter().zip(self.roots);
         self.values.iter_mut().zip(parts).for_each(|(value, (mean, root))| *value = self.sign * mean + root);
+    }
+}
+
+/// Computes upper bounds of the principal stresses, as [`ceiling_of`] does, from the parts of the in-plane stresses,
+/// times a sign, and of the stresses across the face.
+struct Limiting<'a> {
+    sign: f32,
+    in_plane: [&'a [f32]; 3],
+    across: [&'a [f32]; 3],
+    values: &'a mut [f32],
+}
+
+impl pulp::NullaryFnOnce for Limiting<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { sign, in_plane: [mean, half, shear], across: [mean_across, half_across, normal], values } = self;
+        let in_plane = mean.iter().zip(half).zip(shear);
+        let across = mean_across.iter().zip(half_across).zip(normal);
+        for ((value, ((m, d), s)), ((m_across, d_across), normal)) in values.iter_mut().zip(in_plane).zip(across) {
+            let (in_plane, normal) = (sign * m + (d * d + s * s).sqrt(), sign * normal);
+            let (difference, shear) = (in_plane - normal, 2.0 * (m_across * m_across + d_across * d_across));
+            *value = 0.5 * (in_plane + normal) + (0.25 * difference * difference + shear).sqrt() + CEILING_MARGIN;
+        }
     }
 }
 

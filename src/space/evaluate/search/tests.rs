@@ -305,14 +305,14 @@ fn single_precision_keeps_its_bound() {
     let (mut seen, mut worst) = (Seen::default(), 0.0_f64);
     for (step, contact) in contacts.iter().enumerate() {
         let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
-        let (columns, sizes) = of_rows(&search).of_steps(of_step);
-        let (column, size) = (columns.column(0), sizes[0]);
+        let mut column = Vec::new();
+        let size = of_rows(&search).of_steps(of_step, &mut column)[0];
         if size < 1e-30 {
             continue;
         }
-        seen.take(column.as_slice());
+        seen.take(&column);
         for (face, local) in faces.faces.iter().zip(&search.local) {
-            seen.look((face, local), (column.as_slice(), size), contact, Wanted::All);
+            seen.look((face, local), (&column[..], size), contact, Wanted::All);
             let bound = f64::from(search.bound(seen.top, COUNT, 1.0));
             for point in (0..face.points.len()).filter(|point| !face.left_out[*point]) {
                 let exact = face.value(point, |number| of_rows(&search).at(number, of_step), contact) / size;

@@ -56,11 +56,27 @@ pub struct Laminate {
 }
 
 impl Laminate {
-    /// Layers of a plate-like scene with these parts.
+    /// Layers of a plate-like scene with these parts, and their local contact model.
     ///
     /// # Errors
     /// The reason why the layers do not make a plate: a clause.
     pub(super) fn new(
+        scene: &Scene,
+        geometry: &PlateGeometry,
+        parts: &[Part],
+        settings: &Settings,
+    ) -> Result<Self, String> {
+        let laminate = Self::without_local(scene, geometry, parts, settings)?;
+        if settings.is_thin {
+            return Ok(laminate);
+        }
+        let edge = geometry.edges[0].max(geometry.edges[1]);
+        let (reading, compliance) = local::constants(&laminate.theory, (&laminate.spread, laminate.radius), edge);
+        Ok(Self { theory: laminate.theory.with_reading(reading), reading, compliance, ..laminate })
+    }
+
+    /// Same as [`Self::new`] without the local contact model, whose integrals take most of the time.
+    pub(super) fn without_local(
         scene: &Scene,
         geometry: &PlateGeometry,
         parts: &[Part],
@@ -102,13 +118,10 @@ impl Laminate {
         }
         let theory = Layerwise::new(&stack, &shear_factors).ok_or("a layer has no shear factor")?;
         let (spread, radius) = (Spread::new(0.0), disc(&thicknesses, geometry, settings));
-        let edge = geometry.edges[0].max(geometry.edges[1]);
-        let (reading, compliance) =
-            if settings.is_thin { (0.0, 0.0) } else { local::constants(&theory, (&spread, radius), edge) };
         let density = |part: &Part| part.material.instantaneous.density;
         let mass = parts.iter().zip(&thicknesses).map(|(part, h)| density(part) * h).sum();
         let profile = Profile::new(&thicknesses, is_mirrored);
-        let theory = theory.with_reading(reading);
+        let (reading, compliance) = (0.0, 0.0);
         Ok(Self { profile, parts, shear_factors, theory, spread, radius, reading, compliance, mass, section })
     }
 
