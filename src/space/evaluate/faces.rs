@@ -238,7 +238,8 @@ pub(super) struct SampledFace {
     pub height: f64,
 }
 
-/// Faces of a box normal to an axis, or of its layers, with the forms of the stresses at their points. `layers` are the ends of the layers; `soft` says for each layer, from the impacted face, whether it is soft.
+/// Faces of a box normal to an axis, or of its layers, with the forms of the stresses at their points. `layers` are the
+/// ends of the layers; `soft` says for each layer, from the impacted face, whether it is soft.
 pub(super) fn of_box(
     (struck, hit): (usize, Vec3),
     (layers, soft): (&[f64], &[bool]),
