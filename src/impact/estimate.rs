@@ -120,7 +120,7 @@ impl Errors {
 /// Rule that estimates the error of a force from its difference from the force on another basis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErrorRule {
-    /// Ratios of the errors to the differences.
+    /// Ratios of the errors to the differences; that of the whole history is for differences after the first contact.
     pub factors: Errors,
     /// Error that the difference does not show, for all quantities.
     pub least: f64,
@@ -135,9 +135,11 @@ impl ErrorRule {
     /// Returns the errors for the given differences.
     pub fn errors(&self, difference: Errors) -> Errors {
         let Self { factors, least } = self;
+        let first_contact = factors.first_contact * difference.first_contact;
+        let is_largest_later = difference.history > difference.first_contact;
         let errors = Errors {
-            first_contact: factors.first_contact * difference.first_contact,
-            history: factors.history * difference.history,
+            first_contact,
+            history: if is_largest_later { factors.history * difference.history } else { first_contact },
             stress: factors.stress * difference.stress,
         };
         errors.joined(Errors::throughout(*least))

@@ -20,7 +20,7 @@ use super::watch::{Judged, Watch};
 /// difference is above 1e-3 of the peak: 0.1 to 0.65. An estimate.
 const ERROR_OVER_DIFFERENCE: f64 = 0.85;
 
-/// The same over the whole time history: errors of earlier contacts add to those of later ones. Measured on eleven panes
+/// The same after the first contact: errors of earlier contacts add to those of later ones. Measured on eleven panes
 /// with several contacts: 0.5 to 1.15. An estimate.
 const HISTORY_ERROR_OVER_DIFFERENCE: f64 = 1.3;
 

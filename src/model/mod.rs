@@ -63,7 +63,8 @@ pub struct Model {
     pub measures: Option<Measures>,
 }
 
-/// A body reduced to another basis than the one that is used.
+/// The body on a second basis, with which the error of the first is estimated. Its modes are computed when they are
+/// needed.
 pub struct JudgeBasis {
     projection: Projection,
     modal: Option<ModalBody>,

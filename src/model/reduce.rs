@@ -43,11 +43,12 @@ pub(super) const ERROR_FACTOR_OF_SMALLER_VISCOELASTIC: f64 = 1.0 + ERROR_FACTOR_
 /// Share of the tolerance for the estimated error of the basis.
 pub const BASIS_SHARE: f64 = 0.5;
 
-/// The same share if short waves are treated separately. The cells of such plates are finer than they need to be.
-const BASIS_SHARE_OF_LONG_WAVES: f64 = 0.775;
+/// The same share if short waves are treated separately. It is larger by [`LONG_WAVES_MARGIN`], so that this factor
+/// does not enlarge the basis.
+const BASIS_SHARE_OF_LONG_WAVES: f64 = LONG_WAVES_MARGIN * BASIS_SHARE;
 
-/// Error of such a basis over the error that follows from the order of convergence and the difference from a smaller
-/// basis. Measured on twenty free panes: 0.4 to 1.5. An estimate.
+/// Factor on the error of such a basis, as extrapolated from the difference to a smaller basis by the order of
+/// convergence. Measured on twenty free panes: 0.4 to 1.5. An estimate.
 const LONG_WAVES_MARGIN: f64 = 1.55;
 
 /// Number of vectors of a long basis, which is costly to enlarge.
@@ -94,7 +95,7 @@ pub struct Reduced {
     pub force: (Trace, Option<Steps>),
     /// The reduced body in modal coordinates, if the last force was computed in them.
     pub modal: Option<ModalBody>,
-    /// The same on the other basis, if it was kept.
+    /// The same on the other basis. It is kept for viscoelastic bodies, and for bases beside echoes in closed form.
     pub modal_of_judge: Option<ModalBody>,
     /// The force in the longest time steps of the scene's error control ([`ModalImpact::with_longest_steps`]).
     ///

@@ -85,7 +85,7 @@ pub struct ModalImpact<B> {
     readout: Option<Readout>,
     /// Contact force of the last run, and its time steps.
     last: Option<(Trace, Steps)>,
-    /// The same for the longest time steps that error control tries, if known.
+    /// Contact force in the longest time steps that error control tries, with these steps, if known.
     in_longest: Option<(Trace, Steps)>,
     /// Cost of the runs so far.
     pub count: Count,
@@ -164,8 +164,8 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         self.last.as_ref()
     }
 
-    /// Sets the contact force in the longest time steps that error control tries, if it is known from the same impact
-    /// ([`Self::take_in_longest_steps`]); it is then not computed again.
+    /// Sets the contact force in the longest time steps that error control tries, as computed before by
+    /// [`Self::take_in_longest_steps`]. It must be of the same scene and body: only the steps are compared.
     #[must_use]
     pub fn with_longest_steps(self, known: Option<(Trace, Steps)>) -> Self {
         Self { in_longest: known, ..self }

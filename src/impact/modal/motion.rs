@@ -12,8 +12,8 @@ use super::step_response::{FreeBody, SAMPLE_POINTS, State, StepResponse, Surface
 /// Largest number of halvings of the step.
 const LEVELS: usize = 40;
 
-/// Change of the time at which the search for the beginning or the end of a contact ends, relative to the step.
-const TIME_ROUNDING: f64 = 1e-11;
+/// Change of the time, relative to the step, at which the search for the beginning or the end of a contact ends.
+const CONTACT_TIME_CHANGE: f64 = 1e-11;
 
 /// Choice of the time steps.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -202,7 +202,7 @@ impl<'a> Motion<'a> {
             bracket: [before, after],
             guess: before - above / slope,
             slope,
-            change: TIME_ROUNDING * after,
+            change: CONTACT_TIME_CHANGE * after,
         };
         let touch = search.root(|time| self.flown(time));
         if touch <= 0.0 {
@@ -313,7 +313,8 @@ impl<'a> Motion<'a> {
         };
         // A shorter step has a different force, so δ may become zero slightly later than in the longer step.
         let high = [1.0, 1.1, 1.3, 1.7].map(|part| part * length).into_iter().find(|end| below(*end) > 0.0)?;
-        let search = RootSearch { bracket: [low, high], guess, slope: -self.rate(), change: TIME_ROUNDING * length };
+        let search =
+            RootSearch { bracket: [low, high], guess, slope: -self.rate(), change: CONTACT_TIME_CHANGE * length };
         let step = search.root(below);
         let (table, stage) = solved(self, step);
         let (Stage { force, approach, .. }, pulled) = stage?;

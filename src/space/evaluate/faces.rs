@@ -226,7 +226,7 @@ pub(super) struct BoxFaces {
     pub faces: Vec<Face>,
     /// Forms of the stresses at the sampled points, three each.
     pub forms: Vec<Form>,
-    /// In-plane stresses that were sampled, face by face.
+    /// Faces whose in-plane stresses are sampled; the others have the opposite stresses.
     pub sampled: Vec<SampledFace>,
 }
 

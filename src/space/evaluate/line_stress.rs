@@ -421,8 +421,8 @@ impl StepsTogether<'_> {
         self.coordinates.chunks_exact(self.lines.count.max(1))
     }
 
-    /// Passes each line across the first axis to a visitor, with the stresses at its crossings, Pa. They have no
-    /// meaning at the steps that are missing to eight, and at the crossings of [`Self::apart`].
+    /// Passes each line across the first axis to a visitor, with the stresses at its crossings, Pa. If there are fewer
+    /// than eight steps, the values of the others have no meaning; nor have those at the crossings of [`Self::apart`].
     pub fn each_line(&self, visitor: &mut impl LineVisitor) {
         pulp::Arch::new().dispatch(EachLine { face: &self.lines.face, coefficients: self.coefficients, visitor });
     }

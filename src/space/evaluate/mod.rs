@@ -197,7 +197,9 @@ impl Evaluator {
                 );
                 let at_lines = grid.lines.each_ref().map(Vec::as_slice);
                 let map = match (on_lines, &sampled[..]) {
-                    (Some((on_lines, basis)), [SampledFace { height, .. }]) if basis.len() >= LONG_BASIS => {
+                    (Some((on_lines, basis)), [SampledFace { height, .. }])
+                        if basis.len() >= LEAST_VECTORS_FOR_LINES =>
+                    {
                         let mut apart = Vec::new();
                         let mut forms = forms.into_iter();
                         for crossing in 0..forms.len() / 3 {
@@ -352,7 +354,7 @@ pub(super) fn summed(mut form: Form) -> Form {
 
 /// Number of basis vectors from which the stresses on lines are computed from spline coefficients at each step. For
 /// fewer vectors, a dense map to all stresses is cheaper. With 228 vectors, lines take half the time.
-const LONG_BASIS: usize = 150;
+const LEAST_VECTORS_FOR_LINES: usize = 150;
 
 /// Number of pieces of a cell's edge, at whose ends the largest tension is searched.
 const FACE_PIECES: usize = 2;

@@ -55,16 +55,15 @@ const LEAST_TOLERANCE: f64 = 4e-3;
 
 /// Least stiffness of the springs along an edge, over the stiffness D (π/L)³ of the plate against its longest wave, for
 /// which short waves are computed in closed form. Corners between free edges scatter more: late in the contact on a free
-/// pane the error was 1.5 times the difference by which it is estimated. Bases with all echoes, which meet the
-/// tolerance there, take as long.
+/// pane the error was 1.5 times the difference by which it is estimated. There, bases with all echoes meet the tolerance
+/// in the same time.
 const LEAST_EDGE_STIFFNESS: f64 = 3.0;
 
 /// A scene's plate with the springs along its edges, for waves of Mindlin's theory.
 ///
-/// `None` if its waves are not computed in closed form: if an edge is free or on soft springs, if parts of the edges or
-/// of the faces have supports, which reflect waves too, or if there are dampers or foundation pads. Also `None` if the basis must contain the short waves:
-/// if the tolerance is small or applies to tensions, if a strength is given, if other points than the hit are read, and
-/// if loads or moving supports act.
+/// `None` if its waves are not computed in closed form. This needs edges that are clamped or on stiff springs, supports
+/// along whole edges only, and no dampers or foundation pads. It also needs a large tolerance, which applies to the
+/// acceleration; no strengths; no other points to read than the hit; and no loads or moving supports.
 pub(super) fn rectangle(
     scene: &Scene,
     geometry: &PlateGeometry,

@@ -6,12 +6,11 @@
 //! precision. The stresses are computed from rows for all of them in single precision ([`StressRows`]) or, on lines of
 //! a face, from fewer coefficients in double precision ([`LineStresses`]).
 //!
-//! *Bound.* Stresses divided by a size S, a bound of them, have an error of at most some u, which depends on how they
-//! are computed. The
-//! error of the principal stress m + √(d² + s²) is at most the sum of the errors of m, d and s, plus a few roundings of
-//! its own. On the faces of soft layers there are three more parts, for the stresses across the face, and the sum has
-//! five errors: the error of a principal stress is at most the largest sum of errors in a row of the tensor, in which
-//! two components are sums of two parts.
+//! *Bound.* S is an upper bound of the stresses of a step. Stresses divided by S have an error of at most some u, which
+//! depends on how they are computed. The error of the principal stress m + √(d² + s²) is at most the sum of the errors
+//! of m, d and s, plus a few roundings of its own. On the faces of soft layers there are three more parts, for the
+//! stresses across the face, and the sum has five errors: the error of a principal stress is at most the largest sum of
+//! errors in a row of the tensor, in which two components are sums of two parts.
 //!
 //! *Map.* The same values, times S, give the largest tension over time at each point, within the bound. At the points
 //! of a step's largest tension on a face, the value found in double precision is used, including interpolation between

@@ -18,8 +18,8 @@ pub(super) struct Seen {
     pub top: f32,
 }
 
-/// Added to upper bounds in single precision, so that they remain bounds with their roundings. Stresses divided by S are
-/// at most about 1.
+/// Added to upper bounds in single precision, so that they remain bounds with their roundings. Without the local field,
+/// stresses divided by S are at most 1.
 const CEILING_MARGIN: f32 = 64.0 * f32::EPSILON;
 
 /// The larger of two values; the first if the second is NaN.
@@ -91,7 +91,7 @@ impl Seen {
                 let across = [0, 1, 2].map(|part| &column[part * sampled + first..][..count]);
                 // Most points are far below the largest; the ceiling takes square roots, which are cheaper than an arc
                 // cosine.
-                pulp::Arch::new().dispatch(Limiting { sign, in_plane: [mean, half, shear], across, values });
+                pulp::Arch::new().dispatch(UpperBounds { sign, in_plane: [mean, half, shear], across, values });
                 let (mut lacking, mut top) = (local.whole_under(contact).peekable(), f32::NEG_INFINITY);
                 for (point, value) in values.iter_mut().enumerate() {
                     let more = lacking.next_if(|(of, _)| *of == point);
@@ -178,14 +178,14 @@ impl pulp::NullaryFnOnce for Adding<'_> {
 
 /// Computes upper bounds of the principal stresses, as [`ceiling_of`] does, from the parts of the in-plane stresses,
 /// times a sign, and of the stresses across the face.
-struct Limiting<'a> {
+struct UpperBounds<'a> {
     sign: f32,
     in_plane: [&'a [f32]; 3],
     across: [&'a [f32]; 3],
     values: &'a mut [f32],
 }
 
-impl pulp::NullaryFnOnce for Limiting<'_> {
+impl pulp::NullaryFnOnce for UpperBounds<'_> {
     type Output = ();
 
     #[inline(always)]
