@@ -35,7 +35,7 @@ use energy_balance::{EnergyBalance, Vibration, coordinates};
 use hit::HitTension;
 use motion::Motion;
 pub use motion::Steps;
-use reading::{FacesOfSteps, Reader};
+use reading::{FacesOfSteps, FacesReading, Reader};
 use step_response::{FreeBody, State};
 pub use trace::Trace;
 
@@ -63,7 +63,7 @@ const REFINEMENTS: usize = 14;
 /// Share of the tolerance that the time steps may use.
 pub const TIME_STEP_SHARE: f64 = 0.3;
 
-/// Number of steps between two calls of [`Observer::is_interrupted`].
+/// Number of steps that are computed, or read, between two calls of [`Observer::is_interrupted`].
 const ASK_EVERY: usize = 1024;
 
 /// Largest number of steps of one run.
@@ -136,13 +136,11 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     }
 
     /// Runs with an observer. All steps are computed before the first is passed on. After an interruption or a break of
-    /// the observer, all steps computed so far are still passed on.
+    /// the observer, all steps computed and read so far are still passed on.
     fn observed(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
         let Done { trace, mut steps, sizes, faces } = self.done(true, observer)?;
         self.last = Some((trace, sizes));
-        if let (Some(faces), Some(readout)) = (faces, &self.readout) {
-            faces.read(readout, &mut steps);
-        }
+        self.read_faces(faces.as_ref(), &mut steps, observer);
         let mut flow = ControlFlow::Continue(());
         for step in &steps {
             if self.gate.tell(step, observer)?.is_break() {
@@ -150,6 +148,28 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             }
         }
         Ok(flow)
+    }
+
+    /// Reads the tensions on the faces in the steps. An interruption leaves the steps that have been read. Every rank
+    /// calls this, because the ranks agree on interruptions; one of them has the faces.
+    fn read_faces(&self, faces: Option<&FacesOfSteps>, steps: &mut Vec<Observed>, observer: &mut dyn Observer) {
+        let Some(readout) = self.readout.as_ref().filter(|readout| readout.faces.is_some()) else { return };
+        let mut reading = faces.and_then(|faces| FacesReading::new(faces, readout, steps.len()));
+        let mut read = 0;
+        while read < steps.len() {
+            if read > 0 && observer.is_interrupted() {
+                steps.truncate(read);
+                break;
+            }
+            let end = steps.len().min(read + ASK_EVERY);
+            if let Some(reading) = &mut reading {
+                reading.read(&mut steps[read..end]);
+            }
+            read = end;
+        }
+        if let (Some(reading), Some(last)) = (reading, steps.last_mut()) {
+            last.reading.map = reading.map;
+        }
     }
 
     /// Leaves the energies of the steps at zero, since they take a large part of the computing time; no effect if the

@@ -152,32 +152,52 @@ impl<'a> Reader<'a> {
     }
 }
 
-impl FacesOfSteps {
-    /// Stores the largest tensions on the faces in the steps, and the tension map over all steps in the last one.
-    pub fn read(&self, readout: &Readout, steps: &mut [Observed]) {
-        let Some(faces) = readout.faces.as_ref() else { return };
-        let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&readout.contact, &step.step)).collect();
-        let mut map = TensionMap::default();
-        let all = match &self.stresses {
-            StressesOfSteps::OnBasis(columns) => Coordinates::Of { columns, states: &self.weights },
-            _ => Coordinates::Given(&self.weights),
+/// Evaluates the stresses on the faces, a portion of the steps at a time.
+pub struct FacesReading<'a> {
+    stresses: &'a StressesOfSteps,
+    /// Weights of the steps that have not been read yet.
+    weights: &'a [f64],
+    /// Number of weights of a step.
+    of_step: usize,
+    faces: &'a FaceStresses,
+    readout: &'a Readout,
+    search: Option<TensionSearch<'a>>,
+    /// Largest tensions of the steps read so far.
+    pub map: TensionMap,
+}
+
+impl<'a> FacesReading<'a> {
+    /// Begins with the first of some steps; `None` if the readout has no faces.
+    pub fn new(of_steps: &'a FacesOfSteps, readout: &'a Readout, steps: usize) -> Option<Self> {
+        let faces = readout.faces.as_ref()?;
+        let FacesOfSteps { stresses, weights } = of_steps;
+        let (search, of_step) = (stresses.search(faces), weights.len() / steps.max(1));
+        Some(Self { stresses, weights, of_step, faces, readout, search, map: TensionMap::default() })
+    }
+
+    /// Stores the largest tensions on the faces in the next steps.
+    pub fn read(&mut self, steps: &mut [Observed]) {
+        let (weights, rest) = self.weights.split_at(steps.len() * self.of_step);
+        self.weights = rest;
+        let contacts: Vec<ContactNow> = steps.iter().map(|step| contact(&self.readout.contact, &step.step)).collect();
+        let all = match self.stresses {
+            StressesOfSteps::OnBasis(columns) => Coordinates::Of { columns, states: weights },
+            _ => Coordinates::Given(weights),
         };
-        if let Some(search) = self.stresses.search(faces) {
-            let found = search.tensions(all, &contacts, readout.least_tension);
+        if let Some(search) = &self.search {
+            let found = search.tensions(all, &contacts, self.readout.least_tension);
             let times: Vec<f64> = steps.iter().map(|step| step.step.time).collect();
-            map = found.map(&times);
+            self.map.take(&found.map(&times));
             steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
         } else {
             let all = all.all();
             let weights = all.chunks_exact(self.stresses.weights().max(1));
             for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights) {
-                let (found, of_step) = faces.tensions(&self.stresses.apply(faces, weights), contact, step.step.time);
-                map.take(&of_step);
+                let stresses = self.stresses.apply(self.faces, weights);
+                let (found, of_step) = self.faces.tensions(&stresses, contact, step.step.time);
+                self.map.take(&of_step);
                 step.reading.faces = found;
             }
-        }
-        if let Some(last) = steps.last_mut() {
-            last.reading.map = map;
         }
     }
 }
