@@ -28,6 +28,8 @@ pub struct Linearity {
     /// Rigid-body displacement at the impact point per time integral of the impulse, 1/kg; 0 if supports carry the
     /// body.
     mobility: f64,
+    /// Stiffness of all springs together along the impact, N/m, if these are the only supports.
+    springs: Option<f64>,
     mass: f64,
     speed: f64,
     gravity: f64,
@@ -37,13 +39,15 @@ pub struct Linearity {
 impl Linearity {
     /// For a box that is struck on a face, or a mesh with supports and a patch, by a theory with bending. `None` if the
     /// thickness or the rigid motion is not known. The latter is the case for a free body with loads, and if no support
-    /// resists motion along the impact.
+    /// resists motion along the impact. `None` also for a plate that is held at one edge alone: it bends to a surface that
+    /// is hardly stretched.
     pub fn new(scene: &Scene, theory: Model, patch: Option<&Patch>) -> Option<Self> {
         let impactor = &scene.impactor;
         let is_free = scene.supports.is_empty();
         let is_held = scene.supports.iter().any(|support| holds_along(support, impactor.direction));
         let is_a_formula = matches!(theory, Model::HalfSpace | Model::InfinitePlate);
-        if is_a_formula || is_free && scene.load != Load::default() || !is_free && !is_held {
+        let is_unknown = is_free && scene.load != Load::default() || !is_free && !is_held;
+        if is_a_formula || is_unknown || is_held_at_one_edge(scene) {
             return None;
         }
         let (thickness, mobility) = match (&scene.body.geometry, scene.struck_axis(), patch) {
@@ -56,6 +60,7 @@ impl Linearity {
         Some(Self {
             thickness,
             mobility,
+            springs: springs(scene),
             mass: impactor.mass,
             speed: impactor.speed,
             gravity: impactor.gravity,
@@ -69,11 +74,15 @@ impl Linearity {
         // free flight.
         let flown = step.time * (self.speed + 0.5 * self.gravity * step.time);
         let rigid = self.mobility * self.mass * (flown - step.impactor.position);
-        let bent = step.contact.surface_displacement - rigid;
-        // Body and supports are springs in series: their shares of the displacement are their shares of the energy.
+        let moved = (step.contact.surface_displacement - rigid).abs();
         let (body, supports) = (step.energy.elastic, step.energy.support);
-        let part = if supports > 0.0 { body / (body + supports) } else { 1.0 };
-        (part * bent).abs()
+        match self.springs {
+            // The root mean square of the springs' displacement, from their energy, is the motion of the edges.
+            Some(stiffness) => (moved - (2.0 * supports / stiffness).sqrt()).max(0.0),
+            // Body and supports are springs in series: their shares of the displacement are their shares of the energy.
+            None if supports > 0.0 => body / (body + supports) * moved,
+            None => moved,
+        }
     }
 
     /// A deflection (m) over the thickness.
@@ -90,6 +99,30 @@ impl Linearity {
     pub fn are_edges_held(&self) -> bool {
         self.are_edges_held
     }
+}
+
+/// Whether all supports of a plate are on one of its edges.
+fn is_held_at_one_edge(scene: &Scene) -> bool {
+    let Some(struck) = scene.struck_axis() else { return false };
+    let held: Vec<_> = scene.supports.iter().flat_map(|support| faces(&support.surface)).collect();
+    held.first().is_some_and(|first| first.0 != struck && held.iter().all(|face| face == first))
+}
+
+/// Stiffness of all springs together along the impact, N/m, if a box is hit along an axis and its only supports are
+/// springs on whole faces, without prescribed displacements.
+fn springs(scene: &Scene) -> Option<f64> {
+    let Geometry::Box { size, .. } = &scene.body.geometry else { return None };
+    let struck = scene.struck_axis()?;
+    let is_along = scene.impactor.direction[struck].abs() == 1.0;
+    let of_face = |(axis, _): &(usize, bool)| size.iter().product::<f64>() / size[*axis];
+    let of_support = |support: &Support| match support.kind {
+        SupportKind::Elastic { stiffness } if support.within.is_none() && support.displacement == [0.0; 3] => {
+            Some(stiffness[struck] * faces(&support.surface).iter().map(of_face).sum::<f64>())
+        }
+        _ => None,
+    };
+    let sum = scene.supports.iter().map(of_support).sum::<Option<f64>>()?;
+    (is_along && sum > 0.0).then_some(sum)
 }
 
 /// Whether a support resists the motion along the impact in both senses.
@@ -153,7 +186,10 @@ mod tests {
         };
         let both = |components: &str| clamp("x-min", components) + &clamp("x-max", components);
         assert!(held(&clamp("side", "")) && held(&both("components = [\"x\", \"z\"]")));
-        assert!(!held(&clamp("side", "components = [\"z\"]")) && !held(&clamp("x-min", "")));
+        assert!(
+            !held(&clamp("side", "components = [\"z\"]"))
+                && !held(&format!("{}{}", clamp("x-min", "components = [\"z\"]"), clamp("y-min", "")))
+        );
         assert!(!held(&both("components = [\"y\", \"z\"]")));
     }
 }
