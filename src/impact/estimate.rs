@@ -198,6 +198,11 @@ impl ErrorEstimate {
         }
     }
 
+    /// Errors of a cause; `None` if they are not estimated.
+    pub fn of(&self, cause: Cause) -> Option<Errors> {
+        self.parts.iter().find(|(of, _)| *of == cause).map(|(_, errors)| *errors)
+    }
+
     /// Returns the estimate without the errors of a cause.
     #[must_use]
     pub fn without(&self, cause: Cause) -> Self {

@@ -5,7 +5,7 @@ use mpi_test::{PlainTest, tests};
 use std::path::Path;
 
 use crate::program::{ricochet, run};
-use crate::results::{column, folder, good, number, text, words};
+use crate::results::{column, folder, good, number, pane, text, words};
 use crate::sweeps::{content, members, messages, numbers, supported};
 
 pub const TESTS: &[PlainTest] = tests![
@@ -16,6 +16,7 @@ pub const TESTS: &[PlainTest] = tests![
     families_are_of_one_property,
     layers_that_relax_alike_are_those_of_the_member,
     members_with_controlled_steps,
+    a_member_has_the_estimate_of_its_run,
     shards_put_together_are_the_whole,
     a_member_that_fails_is_a_result,
     a_member_whose_scene_is_wrong_on_its_mesh_is_named,
@@ -221,6 +222,22 @@ fn members_with_controlled_steps() {
     good(&folder, 2, "sweep scene.toml --vary accuracy.tolerance=1e-1,1e-2 -o s.h5");
     let estimate = members(&file(&folder, "s.h5"), "error_estimate");
     assert!(estimate[0] < 0.5 && estimate[1] < estimate[0] && estimate[1] > 0.0, "{estimate:?}");
+}
+
+/// The estimate of a run may use more bases than that of members that share a body. For the member for which the body
+/// was made it is the estimate of its run.
+fn a_member_has_the_estimate_of_its_run() {
+    let folder = folder(&pane().replace("[1.0, 1.5, 0.008]", "[0.5, 0.5, 0.02]").replace("end = 1e-3", "end = 5e-3"));
+    good(&folder, 0, "sweep scene.toml --vary body.model=kirchhoff,mindlin -o s.h5");
+    let estimates = members(&file(&folder, "s.h5"), "error_estimate");
+    for (model, estimate) in ["kirchhoff", "mindlin"].into_iter().zip(estimates) {
+        good(&folder, 0, &format!("run scene.toml --set body.model={model} -o {model}.h5"));
+        let facts = good(&folder, 0, &format!("info --json {model}.h5")).stdout;
+        let facts: serde_json::Value = serde_json::from_str(&facts).unwrap();
+        let own = facts["error_estimate"].as_f64().unwrap();
+        // The error of the time steps, a small part, is computed anew.
+        assert!((estimate / own - 1.0).abs() < 1e-3, "{model}: {estimate} {own}");
+    }
 }
 
 fn shards_put_together_are_the_whole() {

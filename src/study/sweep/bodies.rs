@@ -13,7 +13,7 @@ use super::member::Computed;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{self, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
+use crate::impact::{self, Cause, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
 use crate::model::{
     BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, JudgeBasis, Linearity, Model, are_edges_held, largest_linear,
@@ -55,6 +55,9 @@ struct Kept {
     readout: Option<Readout>,
     /// Estimated errors by theory and discretisation, as far as known, and by merging bases.
     of_model: Errors,
+    /// The scene for which the basis was made, with the estimated error of the basis in its impact. That estimate uses more
+    /// bases than the judge.
+    made_for: Option<(Box<Scene>, Errors)>,
     /// Whether the body is interpolated. It then already has the member's Maxwell chains, and it has no energies.
     is_interpolated: bool,
 }
@@ -84,7 +87,7 @@ impl<'a> Bodies<'a> {
             let of_theory = bodies.error_of_theory(&scene);
             // Members with different relaxation share a basis that is made with a margin, so their models are not
             // reused.
-            if let (false, Ok(kept)) = (scene.body.composition.is_viscoelastic(), Kept::of(model, of_theory)) {
+            if let (false, Ok(kept)) = (scene.body.composition.is_viscoelastic(), Kept::of(&scene, model, of_theory)) {
                 bodies.kept.get_or_insert_with(BodyOf::new(&scene), || kept);
             }
         }
@@ -210,6 +213,7 @@ impl<'a> Bodies<'a> {
             unknowns: made.unknowns(),
             readout,
             of_model: of_theory.joined(errors),
+            made_for: None,
             is_interpolated: true,
         }))
     }
@@ -258,6 +262,7 @@ impl<'a> Bodies<'a> {
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
                 of_model: of_theory.joined(Errors { first_contact, history: of_merging, stress: f64::NAN }),
+                made_for: None,
                 is_interpolated: false,
             }
         }))
@@ -284,21 +289,22 @@ impl<'a> Bodies<'a> {
 
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
         let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
-        Kept::of(model, self.error_of_theory(scene))
+        Kept::of(scene, model, self.error_of_theory(scene))
     }
 }
 
 impl Kept {
-    /// Takes the body from a model in modal coordinates. `of_theory` are the errors of the theory selected for all
-    /// members.
-    fn of(model: Model, of_theory: Errors) -> Result<Self> {
+    /// Takes the body from a model of a scene in modal coordinates. `of_theory` are the errors of the theory selected for
+    /// all members.
+    fn of(scene: &Scene, model: Model, of_theory: Errors) -> Result<Self> {
         let of_model = of_theory.max(model.error_beside_basis());
+        let made_for = model.error.of(Cause::Basis).map(|errors| (Box::new(scene.clone()), errors));
         let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);
         let judge = judge.map(JudgeBasis::into_modal);
         match dynamics {
             Dynamics::Modal(body) => {
-                Ok(Self { body, theory, judge, unknowns, readout, of_model, is_interpolated: false })
+                Ok(Self { body, theory, judge, unknowns, readout, of_model, made_for, is_interpolated: false })
             }
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
@@ -354,6 +360,9 @@ impl Kept {
             let own = with_chains(judge)?;
             let judge = own.as_ref().unwrap_or(judge);
             of_basis = rule.errors(force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0));
+        }
+        if let Some((_, errors)) = self.made_for.as_ref().filter(|(of, _)| **of == *scene) {
+            of_basis = of_basis.min(*errors);
         }
         let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
         let all = of_basis.joined(self.of_model).joined(of_patch);
