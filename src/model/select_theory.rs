@@ -15,7 +15,7 @@ use crate::form::Lame;
 use crate::impact::{Cause, Errors, beside};
 use crate::material::Material;
 use crate::scene::{
-    Contact, Geometry, Impactor, Load, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
+    Contact, Geometry, Impactor, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
 };
 use crate::space::spline;
 
@@ -115,7 +115,9 @@ fn is_held_away(support: &Support) -> bool {
 fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Model, String)>> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
     let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
-    if !scene.time.modal || is_patch_given || admits(scene, Theory::InfinitePlate).is_err() {
+    // A half-space has no face on which a tension could reach a strength.
+    let needs_stress = scene.strength.is_given() || scene.measure == Measure::Stress;
+    if !scene.time.modal || is_patch_given || needs_stress || admits(scene, Theory::InfinitePlate).is_err() {
         return Ok(None);
     }
     let (struck, impactor) = (scene.body.struck(), &scene.impactor);

@@ -51,8 +51,8 @@ fn a_half_space_is_within_its_estimated_error(session: &Session) {
     }
 }
 
-/// A half-space is excluded by an impact near an edge, by forces that move the body before or during the impact, and by
-/// an estimate above the tolerance.
+/// A half-space is excluded by an impact near an edge, by forces that move the body before or during the impact, by a
+/// strength or a tolerance of stresses, and by an estimate above the tolerance.
 fn what_rules_a_half_space_out(session: &Session) {
     let comm = session.world();
     let light = "mass = 1e-4\nradius = 0.002";
@@ -62,6 +62,8 @@ fn what_rules_a_half_space_out(session: &Session) {
     for (impactor, rest) in [
         ("mass = 1e-4\nradius = 0.002\npoint = [0.185, 0.0, 0.01]", tolerance.to_owned()),
         ("mass = 1.0\nradius = 0.02", tolerance.to_owned()),
+        (light, format!("{tolerance}[strength]\ntension = 45e6\n")),
+        (light, format!("{tolerance}quantity = \"stress\"\n")),
         (light, format!("{tolerance}[load]\nbody_force = [0.0, 0.0, -1e5]\n")),
         (light, format!("{tolerance}[[load.traction]]\nsurface = \"top\"\nvalue = [0.0, 0.0, -1e3]\n")),
         (
