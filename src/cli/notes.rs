@@ -171,6 +171,9 @@ pub fn listed(words: &[&str]) -> String {
     }
 }
 
+/// Tension lost under a patch, times h²/F, from which there is a note. The whole tension there is about 2 F/h² in panes.
+const LOST_TENSION: f64 = 0.1;
+
 /// Smallest part of a table that an impact is expected to use. A smaller part suggests units that differ by a factor of
 /// a thousand.
 const LEAST_OF_TABLE: f64 = 0.01;
@@ -209,7 +212,21 @@ pub fn why_unestimated(scene: &Scene, largest: &LargestTension) -> String {
     }
 }
 
-/// Warnings about the geometry of a body, its supports, or the table of the contact law.
+/// Warning for a box whose tensions under the hit are those of a force at one point, because the scene does not give
+/// the size of the contact.
+fn tension_of_point_force(scene: &Scene) -> Option<String> {
+    let is_box = matches!(scene.body.geometry, Geometry::Box { .. });
+    let has_radius = scene.impactor.radius.is_some() || matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
+    let is_spread = matches!(scene.contact, Contact::Patch { .. });
+    (is_box && scene.output.stress && is_spread && !has_radius).then(|| {
+        "the impactor has no radius, so tensions under it are those of a force at one point: too large for a soft or wide impactor, whose contact is \
+         not small against the thickness, and this is not in their estimated error; give impactor.radius, or the radius of the contact as \
+         contact.patch_radius"
+            .to_owned()
+    })
+}
+
+/// Warnings about the geometry of a body, its supports, the size of the contact, or the table of the contact law.
 pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     let mut warnings = Vec::new();
     let mut add = |kind: &str, size: f64, text: String| warnings.push(Remark::new(kind, size, text));
@@ -240,6 +257,9 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
         && let Some(distance) = scene.hit_near_clamped_edge()
     {
         add("near clamped edge", 1.0 / distance.max(f64::MIN_POSITIVE), near_clamped_edge(distance));
+    }
+    if let Some(text) = tension_of_point_force(scene) {
+        add("no radius", 1.0, text);
     }
     let Some(measures) = measures else { return warnings };
     if measures.parts > 1 {
@@ -279,13 +299,13 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     let mut add = |kind: &str, size: f64, text: String| notes.push(Remark::new(kind, size, text));
     let impactor = &scene.impactor;
     let finer = match scene.body.geometry {
-        Geometry::Box { .. } => "body.grading",
-        Geometry::Gmsh(_) => "a mesh that is finer there",
+        Geometry::Box { .. } => "body.grading makes cells finer there",
+        Geometry::Gmsh(_) => "make the mesh finer there",
     };
     if let Some(patch) = patch {
         if patch.is_coarse() {
             let text = format!(
-                "cells of {:.4} m do not resolve the patch: make them {:.4} m or smaller at the impact point ({finer})",
+                "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point; {finer}",
                 patch.cell,
                 0.5 * patch.radius
             );
@@ -293,12 +313,23 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
         }
         if patch.error() > 0.5 * scene.tolerance {
             let text = format!(
-                "the patch is large for a thickness of {:.4} m, which may change the force by about {:.1e} of its peak: make cells finer at the \
-                 impact point for a smaller one ({finer})",
+                "the patch is large for a thickness of {:.4} m, which may change the force by about {:.1e} of its peak: smaller cells at the \
+                 impact point give a smaller patch; {finer}",
                 patch.thickness,
                 patch.error()
             );
             add("large patch", patch.error(), text);
+        }
+        let lost = patch.tension_lost();
+        if scene.output.stress && matches!(scene.body.geometry, Geometry::Gmsh(_)) && lost > LOST_TENSION {
+            let per_newton = lost / patch.thickness.powi(2);
+            let text = format!(
+                "tensions under the hit are those of a force spread over the patch of radius {:.4} m: on the face opposite the hit, those of a small contact \
+                 are larger by up to {per_newton:.1e} Pa for each newton of force, which is not in their error; smaller cells at the impact point give a \
+                 smaller patch; {finer}",
+                patch.radius
+            );
+            add("tension of patch", lost, text);
         }
         if patch.is_critical() {
             let text = format!(
@@ -359,6 +390,19 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     if let Some((beyond, text)) = scene.body.temperature.and_then(|temperature| extrapolated(scene, temperature)) {
         add("temperature", beyond, text);
     }
+    if scene.contact == Contact::Point && scene.body.model != Theory::Kirchhoff {
+        let text = "a solid gives way under a force at one point without limit as cells get smaller: forces and stresses of contact.localization = \"point\" \
+                    depend on the cells, and this is not in their error; \"patch\" has no such limit"
+            .to_owned();
+        add("point force", 1.0, text);
+    }
+    if matches!(scene.body.model, Theory::HalfSpace | Theory::InfinitePlate) && !scene.supports.is_empty() {
+        let name = model::name(scene.body.model);
+        let text = format!(
+            "supports have no effect with model = \"{name}\", whose body has no edges: its force is without the waves that return from them"
+        );
+        add("unused supports", 1.0, text);
+    }
     if let Some(key) = unused(scene) {
         let name = model::name(scene.body.model);
         let text = format!("{key} has no effect with model = \"{name}\", which chooses its own; it is for \"solid\"");
@@ -382,7 +426,8 @@ fn extrapolated(scene: &Scene, temperature: f64) -> Option<(f64, String)> {
     Some((beyond, text))
 }
 
-/// Key that is given for the cells of the solid although another theory is named.
+/// Key that is given for the solid although another theory is named. (The stresses of plates depend on the radius of the
+/// patch.)
 fn unused(scene: &Scene) -> Option<&'static str> {
     if matches!(scene.body.model, Theory::Auto | Theory::Solid) {
         return None;
@@ -391,7 +436,7 @@ fn unused(scene: &Scene) -> Option<&'static str> {
         (Geometry::Box { is_given: true, .. }, _) => {
             Some("what is given of cells (body.cells, body.grading or body.order)")
         }
-        (_, Contact::Patch { radius: Some(_), .. }) => Some("contact.patch_radius"),
+        (_, Contact::Patch { radius: Some(_), .. }) if !scene.output.stress => Some("contact.patch_radius"),
         _ => None,
     }
 }
@@ -436,5 +481,42 @@ mod tests {
             notes(&scene, None, None).iter().any(|note| note.kind == "contact at an edge")
         };
         assert!(noted(0.397) && !noted(0.39) && !noted(0.0));
+    }
+
+    const PANE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.8, 0.5, 0.012]\n\
+         [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n\
+         [impactor]\nmass = 1.0\nspeed = 3.0\n[contact]\nlaw = \"power\"\nstiffness = 1e6\nexponent = 1\n[time]\nend = 0.008\n";
+
+    /// Without the size of the contact, tensions are those of a force at one point. Either radius gives the size.
+    #[test]
+    fn a_contact_without_size_is_warned_of() {
+        let is_warned = |overrides: &[&str]| {
+            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+            let scene = Scene::parse("scene", PANE, &overrides).expect("a scene").0;
+            of_geometry(&scene, None).iter().any(|warning| warning.kind == "no radius")
+        };
+        assert!(is_warned(&[]));
+        for key in ["impactor.radius=0.05", "contact.patch_radius=0.01", "output.stress=false"] {
+            assert!(!is_warned(&[key]), "{key}");
+        }
+    }
+
+    /// Keys that a theory does not use are noted, and forces at one point in a solid. The radius of the patch changes the
+    /// stresses of a plate.
+    #[test]
+    fn keys_that_a_theory_does_not_use_are_noted() {
+        let noted = |overrides: &[&str]| {
+            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+            let scene = Scene::parse("scene", PANE, &overrides).expect("a scene").0;
+            let known = ["unused key", "unused supports", "point force"];
+            let all = notes(&scene, None, None);
+            all.into_iter().map(|note| note.kind).filter(|kind| known.contains(&kind.as_str())).collect::<Vec<_>>()
+        };
+        let patch = "contact.patch_radius=0.01";
+        assert!(noted(&[]).is_empty() && noted(&[patch, "body.model=mindlin"]).is_empty());
+        assert_eq!(noted(&[patch, "body.model=mindlin", "output.stress=false"]), ["unused key"]);
+        assert_eq!(noted(&["body.model=infinite-plate"]), ["unused supports"]);
+        assert_eq!(noted(&["contact.localization=point"]), ["point force"]);
+        assert!(noted(&["contact.localization=point", "body.model=kirchhoff"]).is_empty());
     }
 }

@@ -12,7 +12,6 @@ use crate::record::provenance::Cost;
 use crate::record::stress::LargestTension;
 use crate::space::evaluate::FaceTension;
 
-use super::notes::listed;
 use super::{coordinate, say, short};
 
 /// Data for the summary of a run.
@@ -78,8 +77,9 @@ impl Summary {
         self.tension.visit(visitor)
     }
 
-    /// Prints the summary; `largest` has the lines with the largest values ([`lines`]).
-    pub fn print(&self, episodes: &Episodes, largest: &[String], cost: &Cost, judged: &[&str], output: &Path) {
+    /// Prints the summary; `largest` has the lines with the largest values ([`lines`]), and `judged` says what the estimated
+    /// error includes.
+    pub fn print(&self, episodes: &Episodes, largest: &[String], cost: &Cost, judged: &str, output: &Path) {
         let contacts: Vec<String> = episodes
             .all()
             .iter()
@@ -105,9 +105,8 @@ impl Summary {
         ));
         if !cost.error_estimate.is_nan() {
             say(format_args!(
-                "accuracy: estimated error of the acceleration over the whole history {:.1e} of its peak, by {}",
-                cost.error_estimate,
-                listed(judged)
+                "accuracy: estimated error of the acceleration over the whole history {:.1e} of its peak, by {judged}",
+                cost.error_estimate
             ));
         }
         say(format_args!(

@@ -1,5 +1,7 @@
 //! Chooses the radius of the patch, and computes the least radius with which the contact law is valid.
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Hertz, hertz, zener};
@@ -51,6 +53,17 @@ impl Patch {
     /// Relative error of the peak force due to the finite thickness: about 0.025 (r_p/h)².
     pub fn error(&self) -> f64 {
         0.025 * (self.radius / self.thickness).powi(2)
+    }
+
+    /// Tension on the opposite face that a force F at one point causes in excess of the force over the patch, times h²/F:
+    /// 3 (1 + ν)/(2π) ln(b(r)/b(0)), here with ν = 0.25. A thick plate under a uniform pressure over a disc of radius r has
+    /// the tension of a thin one under a disc of radius b = √(1.6 r² + h²) − 0.675 h for r < 1.724 h, else b = r (H. M.
+    /// Westergaard, Stresses in concrete pavements computed by theoretical analysis, Public Roads 7, 1926). Hertz's pressure
+    /// has the mean square distance from its centre of a uniform one over r = √0.8 r_p.
+    pub fn tension_lost(&self) -> f64 {
+        let equivalent = |r: f64| if r < 1.724 { (1.6 * r * r + 1.0).sqrt() - 0.675 } else { r };
+        let radius = 0.8_f64.sqrt() * self.radius / self.thickness;
+        3.0 * 1.25 / (2.0 * PI) * (equivalent(radius) / equivalent(0.0)).ln()
     }
 
     /// Whether cells are longer than r_p/2, so that the pressure is not resolved.

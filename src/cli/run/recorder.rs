@@ -69,7 +69,7 @@ impl Recorder {
             let first_end = episodes.all().first().map(|first| first.end);
             let why = |largest: &LargestTension| Some(notes::why_unestimated(scene, largest));
             let largest = extremes.map_or_else(Vec::new, |extremes| lines(&extremes, first_end, why));
-            self.summary.print(&episodes, &largest, end.cost, &end.estimate.causes(), end.output);
+            self.summary.print(&episodes, &largest, end.cost, &judged(scene, end.estimate), end.output);
         }
         if let Some(warning) = self.summary.warning() {
             tell(format_args!("warning: {warning}"));
@@ -91,6 +91,15 @@ impl Recorder {
             note(format_args!("note: --restart {output} continues it"));
         }
         Ok(())
+    }
+}
+
+/// Causes that an estimated error includes, and whether the error of the time steps is missing.
+fn judged(scene: &Scene, estimate: &ErrorEstimate) -> String {
+    let causes = notes::listed(&estimate.causes());
+    match scene.time.step {
+        Some(_) => format!("{causes}; the error of the given time step is not estimated"),
+        None => causes,
     }
 }
 
