@@ -19,6 +19,7 @@ pub use linearity::{Linearity, STIFFENING, are_edges_held, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
 pub use reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER, Reduced, rate, reduce, reduce_from};
+pub use select_theory::tolerance_beside_theory;
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
@@ -189,11 +190,6 @@ impl Model {
     /// The error estimate before the first step: [`Model::error`] and the error of the patch.
     pub fn error_before_steps(&self) -> ErrorEstimate {
         self.error.clone().with_patch(self.dynamics.patch().as_ref())
-    }
-
-    /// Estimated error by discretisation and theory, without the error of the basis.
-    pub fn error_beside_basis(&self) -> Errors {
-        self.error.without(Cause::Basis).total().unwrap_or_default()
     }
 
     /// Description of the basis, for a result's attribute.

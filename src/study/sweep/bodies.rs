@@ -8,7 +8,7 @@ use petsc_wrap::Comm;
 use super::by_body::{BodyOf, ByBody, chains, shared};
 use super::family::{self, Family};
 use super::grouping::{Found, Grouping, Line};
-use super::interpolated::{self, Interpolated};
+use super::interpolated::{self, INTERPOLATION_SHARE, Interpolated};
 use super::member::Computed;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
@@ -17,6 +17,7 @@ use crate::impact::{self, Cause, ErrorRule, Errors, ModalImpact, Reading, Readou
 use crate::model::watch::{Until, Watch};
 use crate::model::{
     BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, JudgeBasis, Linearity, Model, are_edges_held, largest_linear,
+    tolerance_beside_theory,
 };
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
@@ -222,7 +223,7 @@ impl<'a> Bodies<'a> {
     /// of values.
     fn scene_on(&self, line: &[(f64, usize)], value: f64) -> Result<Scene> {
         let at = line.partition_point(|(other, _)| *other < value).min(line.len() - 1);
-        Ok(self.named((self.scene_of)(line[at].1)?))
+        Ok(self.to_make((self.scene_of)(line[at].1)?))
     }
 
     /// The body on the merged basis of all members that differ only in one support or in their relaxation, if they are
@@ -279,6 +280,14 @@ impl<'a> Bodies<'a> {
         }
     }
 
+    /// A scene for which a body is made: with the theory that `auto` selected, and with what its error leaves of the
+    /// tolerance.
+    fn to_make(&self, scene: Scene) -> Scene {
+        let of_theory = self.error_of_theory(&scene).of(scene.measure);
+        let tolerance = tolerance_beside_theory(scene.tolerance, of_theory, INTERPOLATION_SHARE);
+        self.named(Scene { tolerance, ..scene })
+    }
+
     /// Estimated errors of the theory that `auto` selected for all members; 0 if the scene names its theory.
     pub fn error_of_theory(&self, scene: &Scene) -> Errors {
         match (scene.body.model, self.theory) {
@@ -288,7 +297,7 @@ impl<'a> Bodies<'a> {
     }
 
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
-        let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
+        let model = Model::watched(&self.comm, &self.to_make(scene.clone()), watch)?;
         Kept::of(scene, model, self.error_of_theory(scene))
     }
 }
@@ -297,7 +306,8 @@ impl Kept {
     /// Takes the body from a model of a scene in modal coordinates. `of_theory` are the errors of the theory selected for
     /// all members.
     fn of(scene: &Scene, model: Model, of_theory: Errors) -> Result<Self> {
-        let of_model = of_theory.max(model.error_beside_basis());
+        let of_cells = model.error.without(Cause::Basis).without(Cause::Theory).total().unwrap_or_default();
+        let of_model = of_theory.joined(of_cells);
         let made_for = model.error.of(Cause::Basis).map(|errors| (Box::new(scene.clone()), errors));
         let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use petsc_wrap::Comm;
 
 use crate::error::Result;
-use crate::impact::Errors;
+use crate::impact::{Cause, Errors};
 use crate::model::Model;
 use crate::model::watch::Watch;
 use crate::scene::{self, Scene, Support, SupportKind};
@@ -33,7 +33,7 @@ pub struct Found {
     pub theory: scene::Model,
     /// First member that needs this theory, if other tested members need a lower one.
     pub asked_by: Option<usize>,
-    /// Largest errors that `auto` estimated for this theory.
+    /// Largest errors of this theory that `auto` estimated.
     pub errors: Errors,
     /// Models of this theory that were made to select it, with their scenes; each has the basis of its own body.
     pub(super) made: Vec<(Scene, Model)>,
@@ -153,7 +153,7 @@ impl Grouping {
                 found = none(model.theory);
             }
             if model.theory == found.theory {
-                found.errors = found.errors.max(model.error_beside_basis());
+                found.errors = found.errors.max(model.error.of(Cause::Theory).unwrap_or_default());
                 // A model made by several ranks together can be read by only one of them. For layers `auto` uses a
                 // smaller tolerance for cells and basis than the layerwise theory called by its name. Such models are
                 // not kept.
