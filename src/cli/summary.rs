@@ -7,9 +7,9 @@ use crate::impact::checkpoint::Visitor;
 use crate::impact::step::Step;
 use crate::model::{Linearity, STIFFENING};
 use crate::record::episodes::Episodes;
-use crate::record::extremes::{Extreme, Extremes, ProbeExtremes, TensionExtreme};
+use crate::record::extremes::{Extreme, Extremes, ProbeExtremes};
 use crate::record::provenance::Cost;
-use crate::record::stress::LargestTension;
+use crate::record::stress::{LargestTension, TensionExtreme};
 use crate::space::evaluate::FaceTension;
 
 use super::notes::listed;
@@ -175,7 +175,7 @@ pub fn lines(
         at(&extremes.force, 1.0, "N"),
         at(&extremes.deflection, 1e3, "mm")
     )];
-    if let Some(TensionExtreme { largest, face }) = &extremes.tension {
+    if let Some(TensionExtreme { largest, face, strength_passed_face }) = &extremes.tension {
         let [x, y, z] = largest.point;
         let mut line = format!(
             "largest tension {} MPa on face {face:?} at {} ms, at [{}, {}, {}] m",
@@ -196,7 +196,10 @@ pub fn lines(
             error => format!(", estimated error {error:.1e}"),
         };
         if !largest.strength_passed_at.is_nan() {
-            line += &format!("; the strength is exceeded from {} ms on", short(1e3 * largest.strength_passed_at));
+            line += &format!(
+                "; the strength of face {strength_passed_face:?} is first exceeded at {} ms",
+                short(1e3 * largest.strength_passed_at)
+            );
         }
         lines.push(line);
     }

@@ -26,7 +26,8 @@ fn results_tell_the_largest_tension() {
     for ranks in [0, 2] {
         let said = good(&folder, ranks, "run scene.toml -o out.h5 --force --set strength.tension=50e6");
         assert!(
-            said.stdout.contains("largest tension ") && said.stdout.contains("the strength is exceeded from "),
+            said.stdout.contains("largest tension ")
+                && said.stdout.contains("; the strength of face \"lower\" is first exceeded at "),
             "{said:?}"
         );
         let path = folder.path().join("out.h5");
@@ -39,6 +40,7 @@ fn results_tell_the_largest_tension() {
         let passed: f64 = number(&file, "strength_passed_at");
         let first = lower.iter().position(|tension| *tension > 50e6).unwrap();
         assert_eq!(time[first], passed);
+        assert_eq!(text(&file, "strength_passed_face"), "lower");
         let [ring, force, indentation] =
             ["stress/ring", "contact/force", "contact/indentation"].map(|name| column(&path, name));
         for (row, ring) in ring.iter().enumerate().skip(1) {
@@ -49,7 +51,13 @@ fn results_tell_the_largest_tension() {
     }
     assert!((found[0] / found[1] - 1.0).abs() < 1e-9, "{found:?}");
     let facts = good(&folder, 0, "info out.h5 --json").stdout;
-    assert!(facts.contains("\"strength_passed_at\""), "{facts}");
+    assert!(facts.contains("\"strength_passed_at\"") && facts.contains("\"strength_passed_face\""), "{facts}");
+    // The largest tension is on the lower face, but only the upper one has a strength.
+    let said = good(&folder, 0, "run scene.toml -o upper.h5 --set strength.face.upper=1e6");
+    let is_named =
+        said.stdout.contains("on face \"lower\"") && said.stdout.contains("the strength of face \"upper\" is");
+    assert!(is_named, "{said:?}");
+    assert_eq!(text(&open(folder.path().join("upper.h5")), "strength_passed_face"), "upper");
     good(&folder, 0, "plot out.h5 --quantity stress -o stress.svg");
 }
 
