@@ -222,7 +222,16 @@ impl ErrorEstimate {
         // total.
         let has_stress = self.total().is_some_and(|total| !total.stress.is_nan());
         let measure = if has_stress { measure } else { Measure::Acceleration };
-        let part = |errors: &Errors| errors.of(measure);
+        self.main_causes_by(|errors| errors.of(measure))
+    }
+
+    /// Names of the causes whose error of the acceleration over the whole history is at least a fifth of the largest
+    /// one.
+    pub fn main_causes_of_history(&self) -> Vec<&'static str> {
+        self.main_causes_by(|errors| errors.history)
+    }
+
+    fn main_causes_by(&self, part: impl Fn(&Errors) -> f64) -> Vec<&'static str> {
         let largest = self.parts.iter().map(|(_, errors)| part(errors)).fold(0.0, f64::max);
         // (A NaN error is not known to be small.)
         let is_small = |errors: &Errors| part(errors) < MAIN_CAUSE * largest;

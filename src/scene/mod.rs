@@ -169,6 +169,16 @@ impl Scene {
         (0..3).filter(|axis| *axis != struck).map(to_edge).min_by(f64::total_cmp)
     }
 
+    /// Words for the quantity in `measure` that follow "error" or "difference" in a message; empty for the acceleration,
+    /// which is the default. With clamped edges the largest tension may be there, where its error is not estimated.
+    pub fn of_measure(&self) -> &'static str {
+        match self.measure {
+            Measure::Acceleration => "",
+            Measure::Stress if self.clamps_sections() => " of the tension under the impact point",
+            Measure::Stress => " of the largest tension",
+        }
+    }
+
     /// Whether a support clamps displacements in the plane of the plate.
     pub fn clamps_sections(&self) -> bool {
         self.struck_axis().is_some_and(|struck| self.supports.iter().any(|support| support.clamps_sections(struck)))

@@ -199,6 +199,15 @@ fn tensions_at_clamped_edges_have_no_estimate() {
         assert_eq!(number::<f64>(&file, "stress_error_estimate").is_nan(), is_at_edge, "{said:?}");
         assert_eq!(said.stdout.contains("without an estimate of its error"), is_at_edge, "{said:?}");
     }
+    // With accuracy.quantity = "stress", the messages before and after the run do not call the estimate one of the
+    // largest tension.
+    let said = good(&folder, 0, "run scene.toml -o out.h5 --force --set accuracy.quantity=stress");
+    assert!(said.stdout.contains("without an estimate of its error: it is at a clamped edge"), "{said:?}");
+    assert!(
+        !said.stderr.contains("error of the largest tension ")
+            || said.stderr.contains("largest tension is not estimated")
+    );
+    assert!(said.stderr.contains("is for the tension under the impact point, whose estimated error"), "{said:?}");
     // Near the corner of two clamped edges a plate's largest tension is under the impact point, and a solid's is at the
     // edge. The run says so.
     let corner = "--set impactor.point=[0.09,0.09,0.005] --set impactor.mass=0.2 --set impactor.radius=0.025 --set impactor.speed=2.4 --set time.end=1e-4";

@@ -56,7 +56,7 @@ fn print_scene(report: &Report) {
     }
     match model {
         Ok(model) => {
-            say(format_args!("model      {}", describe_model(model, scene.measure)));
+            say(format_args!("model      {}", describe_model(model, scene)));
             if let Some(reason) = &model.reason {
                 say(format_args!("           {reason}"));
             }
