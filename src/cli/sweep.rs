@@ -147,9 +147,13 @@ fn property_of(key: &str) -> Option<Property> {
 
 /// A member with its checked scene.
 fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
-    let varied = Scene::varied(source, &grid.values(index));
+    // The file of a sweep has no fields, and probes only in series. Without them a probe may lie outside of a member, as
+    // outside of a thinner plate.
+    let are_probes_varied = grid.keys().iter().any(|key| key.path.starts_with("output.probes"));
+    let without_probes = (!arguments.series && !are_probes_varied).then(|| "output.probes=[]".to_owned());
+    let values: Vec<String> = without_probes.into_iter().chain(grid.values(index)).collect();
+    let varied = Scene::varied(source, &values);
     let (mut scene, source) = varied.map_err(|error| error.remarked(&grid.name(index)))?;
-    // The file of a sweep has no fields, and probes only in series.
     scene.output.fields = None;
     if !arguments.series {
         scene.output.probes.clear();
