@@ -139,7 +139,16 @@ fn strengths_are_of_faces_that_are_there() {
 /// Each member's largest tension equals the value of its run, except for the effect of another basis.
 fn sweeps_have_a_column_for_it() {
     let folder = folder(PANE);
-    good(&folder, 0, "sweep scene.toml --vary impactor.speed=0.5,1 --set strength.face.lower=50e6 -o sweep.h5");
+    let line = "sweep scene.toml --vary impactor.speed=0.5,1";
+    let said = good(&folder, 0, &format!("{line} --set strength.face.lower=50e6 -o sweep.h5")).stdout;
+    let summary = "MPa, the largest of member 1: impactor.speed=1; the strength is exceeded in 1 of 2 members, the first of them member 1";
+    assert!(said.contains("largest tension ") && said.contains(summary), "{said}");
+    for (strength, told) in [(1e6, "the strength is exceeded in all members"), (1e9, "the strength is not exceeded")] {
+        let said =
+            good(&folder, 0, &format!("{line} --set strength.tension={strength:e} -o other-{strength}.h5")).stdout;
+        assert!(said.contains(told), "{said}");
+    }
+    assert!(!good(&folder, 0, &format!("{line} -o without.h5")).stdout.contains("largest tension"));
     let file = open(folder.path().join("sweep.h5"));
     let of = |name: &str| file.dataset(&format!("members/{name}")).unwrap().read_raw::<f64>().unwrap();
     good(&folder, 0, "plot sweep.h5 --quantity largest_stress_face -o faces.svg");
