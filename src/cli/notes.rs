@@ -1,12 +1,12 @@
 //! Warnings and notes about a scene, to be read before its results are trusted.
 
 use crate::contact::{ForceLaw, Patch};
-use crate::impact::{ErrorEstimate, Plan, beside};
+use crate::impact::{ErrorEstimate, Plan, beside, estimated};
 use crate::mesh::Measures;
 use crate::model::{self, Model};
 use crate::record::stress::LargestTension;
 use crate::scene::{
-    Contact, Doubt, Geometry, Measure, Model as Theory, Reduction, Scene, Scheme, Source, doubts, face_names,
+    Contact, Doubt, Geometry, Measure, Model as Theory, Reduction, Scene, Scheme, Source, doubts, face_names, one_digit,
 };
 use crate::scheme::critical_frequency;
 use crate::space::spline;
@@ -58,7 +58,7 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
             _ => format!(" of {causes}"),
         };
         let error = errors.of(scene.measure);
-        words += &format!("; estimated error{of_what} {error:.1e} of the peak in the first contact");
+        words += &format!("; estimated error{of_what} {} of the peak in the first contact", estimated(error));
     }
     words
 }
@@ -108,7 +108,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
         let (error, help) = if errors.stress > tolerance {
             (beside(errors.stress, tolerance), format!("; what may lower it: {}", remedies_of_stress()))
         } else {
-            (format!("{:.1e}", errors.stress), String::new())
+            (estimated(errors.stress), String::new())
         };
         missed.push(format!(
             "accuracy.tolerance = {tolerance:e} is for the tension under the impact point, whose estimated error in the first contact is {error}; \
@@ -339,8 +339,8 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     let contact = impactor.contact_time();
     if let Some(step) = plan.map(Plan::step).filter(|step| contact < 20.0 * step && *step <= contact) {
         let text = format!(
-            "fewer than 20 steps in a contact: its force depends on the step; take a time.step of at most {:.0e} s",
-            0.05 * contact
+            "fewer than 20 steps in a contact: its force depends on the step; take a time.step of at most {} s",
+            one_digit(0.05 * contact)
         );
         add("few steps", step / contact, text);
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::impact::checkpoint::Visitor;
+use crate::impact::estimated;
 use crate::impact::step::Step;
 use crate::model::{Linearity, STIFFENING};
 use crate::record::episodes::Episodes;
@@ -105,8 +106,8 @@ impl Summary {
         ));
         if !cost.error_estimate.is_nan() {
             say(format_args!(
-                "accuracy: estimated error of the acceleration over the whole history {:.1e} of its peak, by {}",
-                cost.error_estimate,
+                "accuracy: estimated error of the acceleration over the whole history {} of its peak, by {}",
+                estimated(cost.error_estimate),
                 listed(judged)
             ));
         }
@@ -193,7 +194,7 @@ pub fn lines(
             _ if first_end.is_some_and(|end| largest.time > end) => {
                 ", after the first contact; errors of tensions are estimated in the first contact only".to_owned()
             }
-            error => format!(", estimated error {error:.1e}"),
+            error => format!(", estimated error {}", estimated(error)),
         };
         if !largest.strength_passed_at.is_nan() {
             line += &format!(

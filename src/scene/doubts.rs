@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use super::check::show;
+use super::check::{one_digit, show};
 use super::decode::decode;
 use super::values::Number;
 use super::{Geometry, Parts, Scene, SceneError, Source, SupportKind, Vec3, raw};
@@ -142,8 +142,11 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         doubt(&format!("support.{number}.stiffness"), SOFT_SUPPORT / stiffness, what, help);
     }
     if let Some(Number(temperature)) = raw.body.temperature {
-        let help =
-            format!("temperatures are in °C: {} K are {} °C", show(temperature), show(temperature - ZERO_CELSIUS));
+        let help = format!(
+            "temperatures are in °C: {} K are {} °C",
+            show(temperature),
+            show((1e6 * (temperature - ZERO_CELSIUS)).round() / 1e6)
+        );
         doubt(
             "body.temperature",
             temperature / HOT,
@@ -187,7 +190,7 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
             "a step of {} s is longer than a contact on a half-space, {contact:.1e} s, which it leaps over",
             show(step)
         );
-        let help = format!("a step of at most {:.0e} s, or none: then it is chosen", 0.05 * contact);
+        let help = format!("a step of at most {} s, or none: then it is chosen", one_digit(0.05 * contact));
         doubt("time.step", step / contact, what, help);
     }
     all

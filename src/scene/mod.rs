@@ -32,6 +32,7 @@ use std::path::Path;
 use crate::contact::ForceLaw;
 
 pub use body::{Body, Geometry, Model, Reduction, Symmetry};
+pub use check::one_digit;
 pub use composition::{Composition, Layer, Parts};
 pub use differences::differences;
 pub use doubts::{Doubt, doubts};

@@ -49,7 +49,10 @@ fn print_scene(report: &Report) {
         }
         Geometry::Gmsh(path) => path.display().to_string(),
     };
-    let mass = mass.map_or(String::new(), |mass| format!(", {mass:.4} kg"));
+    let mass = mass.map_or(String::new(), |mass| match mass {
+        usual if (1e-2..1e6).contains(&usual) => format!(", {mass:.4} kg"),
+        _ => format!(", {} kg", short(mass)),
+    });
     say(format_args!("body       {geometry}{mass}"));
     if let Some(measures) = measures {
         print_measures(measures);

@@ -9,6 +9,11 @@ pub(in crate::scene) fn show(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
+/// Formats a number rounded to one digit.
+pub fn one_digit(value: f64) -> String {
+    show(format!("{value:.0e}").parse().unwrap_or(value))
+}
+
 impl Source {
     /// Checks that all values are finite.
     ///

@@ -123,6 +123,8 @@ fn a_temperature_in_kelvin_is_told() {
          [material.soft]\ndensity = 1100.0\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
          wlf = { reference = 20.0, c1 = 12.6, c2 = 74.46 }\n\
          [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n";
+    let cold = doubted_of(scene, &["body.temperature=200.15"]);
+    assert!(matches!(&cold[..], [one] if one.contains("200.15 K are -73 °C")), "{cold:?}");
     let (scene, source) = Scene::parse("scene.toml", scene, &[]).unwrap();
     let [doubt] = &doubts(&scene, &source)[..] else { panic!("one doubt") };
     assert!(doubt.error.to_string().contains("293 °C is hotter"), "{}", doubt.error);
