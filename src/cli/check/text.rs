@@ -49,10 +49,7 @@ fn print_scene(report: &Report) {
         }
         Geometry::Gmsh(path) => path.display().to_string(),
     };
-    let mass = mass.map_or(String::new(), |mass| match mass {
-        usual if (1e-2..1e6).contains(&usual) => format!(", {mass:.4} kg"),
-        _ => format!(", {} kg", short(mass)),
-    });
+    let mass = mass.map_or(String::new(), |mass| format!(", {} kg", kilograms(mass)));
     say(format_args!("body       {geometry}{mass}"));
     if let Some(measures) = measures {
         print_measures(measures);
@@ -204,6 +201,11 @@ fn plain(value: f64) -> String {
     }
 }
 
+/// Formats a mass, kg: to a tenth of a gram, with a power of ten if it is very small or large.
+fn kilograms(mass: f64) -> String {
+    if (1e-2..1e6).contains(&mass) { format!("{mass:.4}") } else { short(mass) }
+}
+
 /// Duration of a contact on a half-space, s.
 pub(super) fn contact_time(scene: &Scene) -> f64 {
     scene.impactor.contact_time()
@@ -262,4 +264,15 @@ fn relaxations(scene: &Scene) -> Vec<String> {
         part.pruned.as_ref().map(|pruned| format!("{place}: {pruned}"))
     };
     Description::new(scene).parts.iter().filter_map(words).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mass_has_few_digits() {
+        let shown = [12.5, 16.2e9, 3e-6].map(kilograms);
+        assert_eq!(shown, ["12.5000", "1.6200e10", "3.0000e-6"]);
+    }
 }

@@ -125,7 +125,7 @@ impl Stresses {
         let TensionExtreme { largest: found, face, strength_passed_face } =
             LargestTension::read(file).unwrap_or_default();
         let is_complete = found.value.is_finite() && found.time.is_finite();
-        let of_run = is_complete.then(|| Largest { value: found.value, face, time: found.time, point: found.point });
+        let of_run = is_complete.then_some(Largest { value: found.value, face, time: found.time, point: found.point });
         Ok(Self {
             time,
             faces,

@@ -72,3 +72,13 @@ impl Source {
         Ok(scaled.map(|v| if v.abs() > 1e-12 * length { v / length } else { 0.0 }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::one_digit;
+
+    #[test]
+    fn one_digit_is_written_as_people_do() {
+        assert_eq!([20.3, 1.04e-5, 0.0523, 3e5].map(one_digit), ["20", "1e-5", "0.05", "3e5"]);
+    }
+}
