@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::error::Result;
+use crate::impact::estimated;
 use crate::record::checkpoint::is_there;
 use crate::record::extremes::{Extreme, Extremes, extremes};
 use crate::record::read::{history, origin};
@@ -142,7 +143,10 @@ impl RunFacts {
             say(format_args!("contact    {} to {} ms, {} N s", short(1e3 * start), short(1e3 * end), short(*impulse)));
         }
         if !self.error_estimate.is_nan() {
-            say(format_args!("error      estimated {:.1e} of the peak over the whole history", self.error_estimate));
+            say(format_args!(
+                "error      estimated {} of the peak over the whole history",
+                estimated(self.error_estimate)
+            ));
         }
         if !self.wall_time.is_nan() {
             say(format_args!(

@@ -26,12 +26,19 @@ pub struct MemberFacts {
     /// End of the run, s.
     end: f64,
     are_edges_held: bool,
+    /// Whether the scene gives a strength.
+    pub has_strength: bool,
 }
 
 impl MemberFacts {
     /// Facts about a scene.
     pub fn new(scene: &Scene) -> Self {
-        Self { tolerance: scene.tolerance, end: scene.time.end, are_edges_held: are_edges_held(scene) }
+        Self {
+            tolerance: scene.tolerance,
+            end: scene.time.end,
+            are_edges_held: are_edges_held(scene),
+            has_strength: scene.strength.is_given(),
+        }
     }
 }
 
@@ -75,7 +82,7 @@ impl Remarks {
     /// member.
     pub fn of_results(writer: &SweepWriter, facts: &[MemberFacts]) -> Self {
         let mut all = Self::default();
-        for (member, MemberFacts { tolerance, end, are_edges_held }) in facts.iter().enumerate() {
+        for (member, MemberFacts { tolerance, end, are_edges_held, .. }) in facts.iter().enumerate() {
             if writer.status()[member] != Status::Done {
                 continue;
             }
@@ -98,7 +105,7 @@ impl Remarks {
             } else if whole > *tolerance {
                 let text = format!(
                     "the estimated error of the whole history is {} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first \
-                     contact: later times are more sensitive; tighten the tolerance to check them",
+                     contact: later times are more sensitive; `ricochet run` of this member's scene says what may lower it",
                     beside(whole, *tolerance)
                 );
                 all.notes.add(member, remark("whole history", whole, text));

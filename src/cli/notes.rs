@@ -1,12 +1,12 @@
 //! Warnings and notes about a scene, to be read before its results are trusted.
 
 use crate::contact::{ForceLaw, Patch};
-use crate::impact::{Errors, Plan, beside};
+use crate::impact::{ErrorEstimate, Plan, beside, estimated};
 use crate::mesh::Measures;
 use crate::model::{self, Model};
 use crate::record::stress::LargestTension;
 use crate::scene::{
-    Contact, Doubt, Geometry, Measure, Model as Theory, Reduction, Scene, Scheme, Source, doubts, face_names,
+    Contact, Doubt, Geometry, Measure, Model as Theory, Reduction, Scene, Scheme, Source, doubts, face_names, one_digit,
 };
 use crate::scheme::critical_frequency;
 use crate::space::spline;
@@ -42,7 +42,7 @@ pub fn of_values(scene: &Scene, source: &Source) -> Vec<Remark> {
 
 /// Description of the theory, its unknowns and its basis, with the estimated error of the quantity to which the
 /// tolerance applies.
-pub fn describe_model(model: &Model, measure: Measure) -> String {
+pub fn describe_model(model: &Model, scene: &Scene) -> String {
     let mut words = format!("{}: {}", model::name(model.theory), model.discretisation);
     if model.unknowns > 0 {
         words += &format!(", {} unknowns", model.unknowns);
@@ -53,12 +53,12 @@ pub fn describe_model(model: &Model, measure: Measure) -> String {
     if let Some(errors) = model.error.total() {
         let causes = listed(&model.error.causes());
         // If the error of stresses is not estimated, the tolerance applies to the acceleration, as a note says.
-        let of_what = match measure {
-            Measure::Stress if !errors.stress.is_nan() => format!("{} by {causes}", measure.of_what()),
+        let of_what = match scene.measure {
+            Measure::Stress if !errors.stress.is_nan() => format!("{} by {causes}", scene.of_measure()),
             _ => format!(" of {causes}"),
         };
-        let error = errors.of(measure);
-        words += &format!("; estimated error{of_what} {error:.1e} of the peak in the first contact");
+        let error = errors.of(scene.measure);
+        words += &format!("; estimated error{of_what} {} of the peak in the first contact", estimated(error));
     }
     words
 }
@@ -73,18 +73,14 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let is_good = |error: &f64| *error <= tolerance;
     let estimate = model.error_before_steps();
     let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
-    let of_what = scene.measure.of_what();
+    let of_what = scene.of_measure();
     let causes = estimate.causes();
-    let mut remedies: Vec<&str> =
-        estimate.main_causes(scene.measure).into_iter().map(|cause| remedy(cause, scene)).collect();
-    remedies.sort_unstable();
-    remedies.dedup();
     let of = listed(&causes);
     let message = format!(
         "the estimated error{of_what} in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          what may lower it: {}",
         beside(error, tolerance),
-        remedies.join(", or ")
+        remedies(&estimate.main_causes(scene.measure), scene)
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
 }
@@ -100,31 +96,57 @@ pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
 }
 
 /// Notes on errors above the tolerance, including the errors of the time steps. The error before the steps has its own
-/// [`verdict`]: `was_warned` says whether it was already above the tolerance.
-pub fn missed(errors: &Errors, (measure, tolerance): (Measure, f64), was_warned: bool) -> Vec<String> {
+/// [`verdict`]: `was_warned` says whether it was already above the tolerance. If the `largest` tension has no estimate,
+/// for example at a clamped edge, the estimate is for the tension under the impact point.
+pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest: &LargestTension) -> Vec<String> {
+    let Some(errors) = estimate.total() else { return Vec::new() };
+    let (measure, tolerance) = (scene.measure, scene.tolerance);
     let mut missed = Vec::new();
-    let of_stress = measure == Measure::Stress && !was_warned;
-    if of_stress && errors.stress > tolerance {
+    let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().is_nan();
+    let remedies_of_stress = || remedies(&estimate.main_causes(measure), scene);
+    if measure == Measure::Stress && is_for_another_place {
+        let (error, help) = if errors.stress > tolerance {
+            (beside(errors.stress, tolerance), format!("; what may lower it: {}", remedies_of_stress()))
+        } else {
+            (estimated(errors.stress), String::new())
+        };
         missed.push(format!(
-            "the estimated error of the largest tension in the first contact is {} with that of the steps, above accuracy.tolerance = {tolerance:e}: \
-             tighten the tolerance",
-            beside(errors.stress, tolerance)
+            "accuracy.tolerance = {tolerance:e} is for the tension under the impact point, whose estimated error in the first contact is {error}; \
+             the error of the largest tension is not estimated{help}"
+        ));
+    } else if measure == Measure::Stress && !was_warned && errors.stress > tolerance {
+        missed.push(format!(
+            "the estimated error of the largest tension in the first contact is {} with that of the steps, above accuracy.tolerance = {tolerance:e}; \
+             what may lower it: {}",
+            beside(errors.stress, tolerance),
+            remedies_of_stress()
         ));
     }
     if errors.history > tolerance {
         let error = beside(errors.history, tolerance);
-        missed.push(match measure {
-            Measure::Acceleration => format!(
-                "the estimated error of the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first contact: later times are \
-                 more sensitive; tighten the tolerance to check them"
-            ),
-            Measure::Stress => format!(
-                "the estimated error of the acceleration over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}; stresses are estimated in \
-                 the first contact alone: later times are more sensitive; tighten the tolerance to check them"
-            ),
-        });
+        let (of_what, scope) = match measure {
+            Measure::Acceleration => ("", ", which is for the first contact"),
+            Measure::Stress => (" of the acceleration", "; stresses are estimated in the first contact alone"),
+        };
+        let step = match scene.time.step {
+            Some(_) => "; the error of the given time.step is not included",
+            None => "",
+        };
+        missed.push(format!(
+            "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}{scope}: later times are \
+             more sensitive; what may lower it: {}{step}",
+            remedies(&estimate.main_causes_of_history(), scene)
+        ));
     }
     missed
+}
+
+/// Hints how to reduce the errors of causes.
+fn remedies(causes: &[&str], scene: &Scene) -> String {
+    let mut remedies: Vec<&str> = causes.iter().map(|cause| remedy(cause, scene)).collect();
+    remedies.sort_unstable();
+    remedies.dedup();
+    remedies.join(", or ")
 }
 
 /// Hint how to reduce the error caused by a part of a model.
@@ -348,8 +370,8 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     let contact = impactor.contact_time();
     if let Some(step) = plan.map(Plan::step).filter(|step| contact < 20.0 * step && *step <= contact) {
         let text = format!(
-            "fewer than 20 steps in a contact: its force depends on the step; take a time.step of at most {:.0e} s",
-            0.05 * contact
+            "fewer than 20 steps in a contact: its force depends on the step; take a time.step of at most {} s",
+            one_digit(0.05 * contact)
         );
         add("few steps", step / contact, text);
     }
@@ -444,6 +466,19 @@ fn unused(scene: &Scene) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::impact::{Cause, Errors};
+
+    /// A pane; `more` has further keys of `[body]` or `[time]`, with the table's name.
+    fn pane(more: &str) -> Scene {
+        let keys = |table: &str| more.strip_prefix(&format!("[{table}]\n")).unwrap_or("").to_owned();
+        let text = format!(
+            "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.01]\n{}\
+             [impactor]\nmass = 1.0\nradius = 0.03\nyoung = 3e9\npoisson = 0.3\nspeed = 3.0\n[time]\nend = 0.008\n{}",
+            keys("body"),
+            keys("time")
+        );
+        Scene::parse("scene", &text, &[]).expect("a scene").0
+    }
 
     #[test]
     fn what_is_above_a_limit_is_seen_to_be() {
@@ -454,7 +489,11 @@ mod tests {
     #[test]
     fn a_tolerance_for_stresses_is_held_against_stresses() {
         let errors = |history: f64, stress: f64| Errors { first_contact: 1e-3, history, stress };
-        let told = |errors: Errors, measure: Measure, was_warned: bool| missed(&errors, (measure, 1e-2), was_warned);
+        let told = |errors: Errors, measure: Measure, was_warned: bool| {
+            let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
+            let largest = LargestTension { error_estimate: errors.stress, ..LargestTension::default() };
+            missed(&estimate, &Scene { measure, ..pane("") }, was_warned, &largest)
+        };
         assert!(told(errors(9e-3, 2e-2), Measure::Acceleration, false).is_empty());
         let of_stress = told(errors(9e-3, 2e-2), Measure::Stress, false);
         assert!(
@@ -466,6 +505,46 @@ mod tests {
         assert!(told(errors(9e-3, f64::NAN), Measure::Stress, false).is_empty());
         assert_eq!(told(errors(2e-2, 9e-3), Measure::Acceleration, false).len(), 1);
         assert!(told(errors(2e-2, 9e-3), Measure::Stress, false)[0].contains("first contact alone"));
+    }
+
+    /// If the largest tension is at a clamped edge, its error is not estimated: the note says which tension the
+    /// tolerance is for, and does not call it the largest.
+    #[test]
+    fn a_tolerance_for_stresses_is_for_what_is_estimated() {
+        for (stress, is_above) in [(2e-2, true), (9e-3, false)] {
+            let errors = Errors { first_contact: 1e-3, history: 1e-3, stress };
+            let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
+            let scene = Scene { measure: Measure::Stress, ..pane("") };
+            for was_warned in [true, false] {
+                let told = missed(&estimate, &scene, was_warned, &LargestTension::default());
+                assert!(
+                    matches!(&told[..], [one] if one.contains("for the tension under the impact point")
+                        && one.contains("the error of the largest tension is not estimated")
+                        && one.contains("what may lower it") == is_above),
+                    "{told:?}"
+                );
+            }
+        }
+    }
+
+    /// The advice fits the cause: a smaller tolerance changes neither a given mesh, nor a given basis, nor a given step.
+    #[test]
+    fn advice_is_for_the_main_cause() {
+        let told = |more: &str, cause: Cause| {
+            let estimate = ErrorEstimate::default()
+                .with(cause, Errors::throughout(2e-2))
+                .with(Cause::Steps, Errors::throughout(1e-3));
+            missed(&estimate, &pane(more), false, &LargestTension::default()).concat()
+        };
+        let ends = |more: &str, cause: Cause, end: &str| {
+            let told = told(more, cause);
+            assert!(told.ends_with(&format!("what may lower it: {end}")), "{told}");
+        };
+        ends("", Cause::Patch, "finer cells at the impact point");
+        ends("", Cause::Cells, "a smaller accuracy.tolerance");
+        ends("[body]\nreduction = 20\n", Cause::Basis, "body.reduction = \"auto\" in place of a number");
+        let given = "a smaller accuracy.tolerance; the error of the given time.step is not included";
+        ends("[time]\nstep = 1e-5\n", Cause::Cells, given);
     }
 
     /// A contact radius larger than the distance to the nearest edge gives a note. Farther inside there is none.

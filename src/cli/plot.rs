@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::figure::face::draw as draw_face;
-use crate::figure::history::{Curve, History, Run, draw};
+use crate::figure::history::{Curve, History, Role, Run, draw};
 use crate::figure::sweep as figure;
 use crate::record::quantity::{Part, Quantity, quantity};
 use crate::record::read;
@@ -55,12 +55,13 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
     };
     for (Quantity { time, parts, contacts, .. }, label) in found.into_iter().zip(labels) {
         let curve = |Part { name, values }: Part| {
+            let role = if is_alone && name == "total" { Role::Total } else { Role::Value };
             let label = match name.as_str() {
                 "" => label.clone(),
                 _ if is_alone => name,
                 _ => format!("{label}: {name}"),
             };
-            Curve { label, values, is_limit: false }
+            Curve { label, values, role }
         };
         history.runs.push(Run { time, curves: parts.into_iter().map(curve).collect(), contacts });
     }

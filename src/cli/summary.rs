@@ -4,12 +4,13 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::impact::checkpoint::Visitor;
+use crate::impact::estimated;
 use crate::impact::step::Step;
 use crate::model::{Linearity, STIFFENING};
 use crate::record::episodes::Episodes;
-use crate::record::extremes::{Extreme, Extremes, ProbeExtremes, TensionExtreme};
+use crate::record::extremes::{Extreme, Extremes, ProbeExtremes};
 use crate::record::provenance::Cost;
-use crate::record::stress::LargestTension;
+use crate::record::stress::{LargestTension, TensionExtreme};
 use crate::space::evaluate::FaceTension;
 
 use super::{coordinate, say, short};
@@ -105,8 +106,8 @@ impl Summary {
         ));
         if !cost.error_estimate.is_nan() {
             say(format_args!(
-                "accuracy: estimated error of the acceleration over the whole history {:.1e} of its peak, by {judged}",
-                cost.error_estimate
+                "accuracy: estimated error of the acceleration over the whole history {} of its peak, by {judged}",
+                estimated(cost.error_estimate)
             ));
         }
         say(format_args!(
@@ -174,7 +175,7 @@ pub fn lines(
         at(&extremes.force, 1.0, "N"),
         at(&extremes.deflection, 1e3, "mm")
     )];
-    if let Some(TensionExtreme { largest, face }) = &extremes.tension {
+    if let Some(TensionExtreme { largest, face, strength_passed_face }) = &extremes.tension {
         let [x, y, z] = largest.point;
         let mut line = format!(
             "largest tension {} MPa on face {face:?} at {} ms, at [{}, {}, {}] m",
@@ -192,10 +193,13 @@ pub fn lines(
             _ if first_end.is_some_and(|end| largest.time > end) => {
                 ", after the first contact; errors of tensions are estimated in the first contact only".to_owned()
             }
-            error => format!(", estimated error {error:.1e}"),
+            error => format!(", estimated error {}", estimated(error)),
         };
         if !largest.strength_passed_at.is_nan() {
-            line += &format!("; the strength is exceeded from {} ms on", short(1e3 * largest.strength_passed_at));
+            line += &format!(
+                "; the strength of face {strength_passed_face:?} is first exceeded at {} ms",
+                short(1e3 * largest.strength_passed_at)
+            );
         }
         lines.push(line);
     }

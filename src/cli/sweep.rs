@@ -105,7 +105,8 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         let mut recorder = recorder.borrow_mut();
         recorder.progress.finish();
         recorder.writer.finish()?;
-        recorder.print(&grid, begin.elapsed().as_secs_f64());
+        let has_strength = facts.iter().any(|facts| facts.has_strength);
+        recorder.print(&grid, has_strength, begin.elapsed().as_secs_f64());
         Remarks::of_results(&recorder.writer, &facts).tell(&grid);
         tell_of_idle_keys(&grid, &recorder.writer);
         if flow.is_break() {
@@ -147,9 +148,13 @@ fn property_of(key: &str) -> Option<Property> {
 
 /// A member with its checked scene.
 fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
-    let varied = Scene::varied(source, &grid.values(index));
+    // The file of a sweep has no fields, and probes only in series. Without them a probe may lie outside of a member, as
+    // outside of a thinner plate.
+    let are_probes_varied = grid.keys().iter().any(|key| key.path.starts_with("output.probes"));
+    let without_probes = (!arguments.series && !are_probes_varied).then(|| "output.probes=[]".to_owned());
+    let values: Vec<String> = without_probes.into_iter().chain(grid.values(index)).collect();
+    let varied = Scene::varied(source, &values);
     let (mut scene, source) = varied.map_err(|error| error.remarked(&grid.name(index)))?;
-    // The file of a sweep has no fields, and probes only in series.
     scene.output.fields = None;
     if !arguments.series {
         scene.output.probes.clear();
@@ -248,8 +253,8 @@ impl SweepRecorder {
         }
     }
 
-    /// Prints the sweep in two or three lines.
-    fn print(&self, grid: &Grid, time: f64) {
+    /// Prints the sweep in a few lines; with a strength, also the tensions.
+    fn print(&self, grid: &Grid, has_strength: bool, time: f64) {
         let done: Vec<usize> =
             self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Done).collect();
         let of = |quantity: Quantity| {
@@ -273,6 +278,26 @@ impl SweepRecorder {
                 short(high),
                 grid.name(at)
             ));
+        }
+        let tensions = of(Quantity::LargestStress).filter(|(tension, _)| tension.is_finite());
+        if has_strength
+            && let (Some((low, _)), Some((high, at))) = (tensions.clone().min_by(by_value), tensions.max_by(by_value))
+        {
+            let passed: Vec<usize> =
+                of(Quantity::StrengthPassedAt).filter(|(time, _)| time.is_finite()).map(|(_, n)| n).collect();
+            let strength = match &passed[..] {
+                [] => "the strength is not exceeded".to_owned(),
+                all if all.len() == done.len() => "the strength is exceeded in all members".to_owned(),
+                [first, ..] => {
+                    let (count, all) = (passed.len(), done.len());
+                    format!(
+                        "the strength is exceeded in {count} of {all} members, the first of them {}",
+                        grid.name(*first)
+                    )
+                }
+            };
+            let (low, high) = (short(1e-6 * low), short(1e-6 * high));
+            say(format_args!("largest tension {low} to {high} MPa, the largest of {}; {strength}", grid.name(at)));
         }
         let failed = self.count(Status::Failed) + self.count(Status::Refused);
         if let Some((first, why)) = self.writer.messages().first_key_value() {

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, Sheet};
 use super::legend::{Entry, LETTERS, LINE, MARGIN, draw_legend, draw_title};
 use super::output::{inline, save};
-use super::stroke::{LIMIT, MAX_STROKES, Stroke, stroke, thinned};
+use super::stroke::{LIMIT, MAX_STROKES, Stroke, TOTAL, is_like_total, stroke, thinned};
 use crate::error::{Error, Result};
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
@@ -41,8 +41,19 @@ pub struct Curve {
     pub label: String,
     /// Value at each time.
     pub values: Vec<f64>,
-    /// Whether the curve is a limit with which others are compared; limits are dashed.
-    pub is_limit: bool,
+    /// Meaning of the curve beside the others.
+    pub role: Role,
+}
+
+/// Meaning of a curve beside the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// One of several alike.
+    Value,
+    /// The sum of the others, drawn wide and black.
+    Total,
+    /// A limit with which others are compared, drawn dashed.
+    Limit,
 }
 
 /// Draws the curves to `out`, an SVG or a PNG of 1600 × 1000 pixels, depending on the extension. Values that are not
@@ -106,16 +117,17 @@ impl Plot {
 impl Drawing for History {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
         let top = draw_title(canvas, &self.title)?;
-        let count = self.curves().count();
-        let entries: Vec<Entry> = self.curves().enumerate().map(|(n, curve)| curve.entry(n, count)).collect();
+        let strokes = self.strokes();
+        let entries: Vec<Entry> =
+            self.curves().zip(&strokes).map(|(curve, stroke)| Entry { label: &curve.label, stroke: *stroke }).collect();
         let top = draw_legend(canvas, top, &entries)?;
         let plot = self.plot(canvas, top);
         self.draw_axes(canvas, &plot)?;
         self.draw_contacts(canvas, &plot)?;
         let curves = self.runs.iter().flat_map(|run| run.curves.iter().map(move |curve| (run, curve)));
-        for (n, (run, curve)) in curves.enumerate() {
+        for ((run, curve), stroke) in curves.zip(&strokes) {
             let points = run.points(curve).map(|(t, value)| canvas.point(plot.at_x(t), plot.at_y(value)));
-            canvas.line(&thinned(points), &curve.stroke(n, count))?;
+            canvas.line(&thinned(points), stroke)?;
         }
         Ok(())
     }
@@ -125,6 +137,18 @@ impl History {
     /// Iterates over the curves of all runs.
     fn curves(&self) -> impl Iterator<Item = &Curve> {
         self.runs.iter().flat_map(|run| &run.curves)
+    }
+
+    /// Strokes of the curves, in their order.
+    fn strokes(&self) -> Vec<Stroke> {
+        let (count, has_total) = (self.curves().count(), self.curves().any(|curve| curve.role == Role::Total));
+        let mut values = (0..).filter(|n| !has_total || !is_like_total(*n));
+        let stroke = |curve: &Curve| match curve.role {
+            Role::Value => stroke(values.next().unwrap_or_default(), count),
+            Role::Total => TOTAL,
+            Role::Limit => LIMIT,
+        };
+        self.curves().map(stroke).collect()
     }
 
     fn plot<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, top: f64) -> Plot {
@@ -229,22 +253,35 @@ impl History {
     }
 }
 
-impl Curve {
-    /// Entry of curve `n` of `of` in the legend.
-    fn entry(&self, n: usize, of: usize) -> Entry<'_> {
-        Entry { label: &self.label, stroke: self.stroke(n, of) }
-    }
-
-    /// Stroke of curve `n` of `of`.
-    fn stroke(&self, n: usize, of: usize) -> Stroke {
-        if self.is_limit { LIMIT } else { stroke(n, of) }
-    }
-}
-
 impl Run {
     /// Time in ms and value of a curve, where both are finite.
     fn points(&self, curve: &Curve) -> impl Iterator<Item = (f64, f64)> {
         let points = self.time.iter().zip(&curve.values).map(|(t, value)| (1e3 * t, *value));
         points.filter(|(t, value)| t.is_finite() && value.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A total differs from all other curves in colour, wherever it is among them, and all strokes differ.
+    #[test]
+    fn a_total_has_a_colour_of_its_own() {
+        for (count, total) in [(9, 8), (6, 5), (9, 0), (3, 1)] {
+            let curve = |n: usize| Curve {
+                label: n.to_string(),
+                values: vec![0.0],
+                role: if n == total { Role::Total } else { Role::Value },
+            };
+            let run = Run { time: vec![0.0], curves: (0..count).map(curve).collect(), contacts: Vec::new() };
+            let history =
+                History { title: String::new(), quantity: String::new(), unit: String::new(), runs: vec![run] };
+            let strokes = history.strokes();
+            for (n, one) in strokes.iter().enumerate() {
+                assert!(n == total || one.colour != TOTAL.colour, "{n} of {count}");
+                assert!(strokes[n + 1..].iter().all(|other| other != one), "{n} of {count}");
+            }
+        }
     }
 }

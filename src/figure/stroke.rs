@@ -28,6 +28,7 @@ const CURVES_BY_COLOUR: usize = 5;
 pub(super) const MAX_STROKES: usize = COLOURS.len() * DASHES.len();
 
 /// Stroke of a curve. `width` is in pixels of the figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stroke {
     pub colour: RGBColor,
     pub width: f64,
@@ -36,6 +37,17 @@ pub(super) struct Stroke {
 
 /// Stroke of a limit with which curves are compared.
 pub(super) const LIMIT: Stroke = Stroke { colour: RGBColor(180, 20, 20), width: 4.0, dashes: DASHES[1] };
+
+/// Number of the colour of a total, which no other curve of its figure has.
+const TOTAL_COLOUR: usize = 4;
+
+/// Stroke of the sum of other curves.
+pub(super) const TOTAL: Stroke = Stroke { colour: COLOURS[TOTAL_COLOUR], width: 7.0, dashes: DASHES[1] };
+
+/// Whether curve `n` has the colour of a total.
+pub(super) fn is_like_total(n: usize) -> bool {
+    n % COLOURS.len() == TOTAL_COLOUR
+}
 
 /// Stroke of curve `n` of `of`. Of every eight curves, the last four are thinner. After every eight curves, the dashes
 /// are shifted against the colours.

@@ -175,6 +175,14 @@ pub fn beside(number: f64, limit: f64) -> String {
     (1..4).map(text).find(is_seen).unwrap_or_else(|| text(4))
 }
 
+/// Error below which an estimate is only rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Formats an estimated error with two digits. An estimate that is only rounding is an upper limit.
+pub fn estimated(error: f64) -> String {
+    if error < ROUNDING { format!("below {ROUNDING:e}") } else { format!("{error:.1e}") }
+}
+
 /// Errors by their causes; the total estimate [`joined`] combines them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ErrorEstimate {
@@ -227,7 +235,16 @@ impl ErrorEstimate {
         // total.
         let has_stress = self.total().is_some_and(|total| !total.stress.is_nan());
         let measure = if has_stress { measure } else { Measure::Acceleration };
-        let part = |errors: &Errors| errors.of(measure);
+        self.main_causes_by(|errors| errors.of(measure))
+    }
+
+    /// Names of the causes whose error of the acceleration over the whole history is at least a fifth of the largest
+    /// one.
+    pub fn main_causes_of_history(&self) -> Vec<&'static str> {
+        self.main_causes_by(|errors| errors.history)
+    }
+
+    fn main_causes_by(&self, part: impl Fn(&Errors) -> f64) -> Vec<&'static str> {
         let largest = self.parts.iter().map(|(_, errors)| part(errors)).fold(0.0, f64::max);
         // (A NaN error is not known to be small.)
         let is_small = |errors: &Errors| part(errors) < MAIN_CAUSE * largest;
@@ -243,6 +260,12 @@ impl ErrorEstimate {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_error_that_is_rounding_is_not_printed() {
+        let shown = [1.1e-16, 0.0, 2.04e-3, 0.5].map(estimated);
+        assert_eq!(shown, ["below 1e-9", "below 1e-9", "2.0e-3", "5.0e-1"]);
+    }
 
     /// Small errors are not among the main causes. If one cause has no estimate of the stress, all causes are compared
     /// by the acceleration.

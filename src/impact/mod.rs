@@ -14,7 +14,7 @@ pub mod step;
 mod stepped;
 mod time_integration;
 
-pub use estimate::{Cause, ErrorEstimate, ErrorRule, Errors, beside, joined, rest};
+pub use estimate::{Cause, ErrorEstimate, ErrorRule, Errors, beside, estimated, joined, rest};
 pub use modal::{ModalImpact, Steps, TIME_STEP_SHARE, Trace};
 pub use observer::{Observer, Until};
 pub use parameters::ImpactParameters;

@@ -53,7 +53,7 @@ pub(super) fn layered(
     let mismatch = plate::mismatch(&elastic)?;
     let of_theory = mindlin_error_over_difference(&elastic) * difference + Errors::throughout(mismatch);
     let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));
-    let of_what = scene.measure.of_what();
+    let of_what = scene.of_measure();
     let tolerance = scene.tolerance;
     let judged = format!(
         "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what} in the first contact; estimated error of layerwise relative to solid: {}",

@@ -292,7 +292,7 @@ impl Compared {
         let difference = thick.force.0.difference(&thin.force.0);
         let errors = part * difference;
         let (differ, error) = (difference.of(scene.measure), errors.of(scene.measure));
-        let of_what = scene.measure.of_what();
+        let of_what = scene.of_measure();
         let judged = format!(
             "kirchhoff and mindlin differ by {differ:.1e}{of_what} in the first contact; estimated error of mindlin relative to solid: {}",
             beside(error, THEORY_SHARE * scene.tolerance)

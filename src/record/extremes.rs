@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::record::read::open;
-use crate::record::stress::LargestTension;
+use crate::record::stress::{LargestTension, TensionExtreme};
 
 /// Value of a series and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -31,16 +31,6 @@ pub struct Extremes {
     pub tension: Option<TensionExtreme>,
     /// Largest values at each probe, in the order of the names of the probes.
     pub probes: Vec<ProbeExtremes>,
-}
-
-/// Largest tension of a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TensionExtreme {
-    /// Value, time and position of the largest tension.
-    #[serde(flatten)]
-    pub largest: LargestTension,
-    /// Name of the face.
-    pub face: String,
 }
 
 /// Largest values at a probe in the recorded rows.
@@ -102,9 +92,7 @@ fn of(file: &hdf5::File) -> hdf5::Result<Option<Extremes>> {
         acceleration: largest(&column("impactor/acceleration")?, |value| value),
         force: peaks.chain([of_rows]).max_by(|one, other| one.value.total_cmp(&other.value)).unwrap_or(of_rows),
         deflection: largest(&column("contact/surface_displacement")?, f64::abs),
-        tension: LargestTension::read(file)
-            .filter(|(largest, _)| !largest.value.is_nan())
-            .map(|(largest, face)| TensionExtreme { largest, face }),
+        tension: LargestTension::read(file).filter(|tension| !tension.largest.value.is_nan()),
         probes,
     }))
 }

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::record::quantity::Quantity;
 
 use super::data::Data;
-use super::figures::Curves;
+use super::figures::{Curves, TOTAL};
 use super::number::{ENERGY, SMALLEST_PERCENT, Unit, digits, percent, unit_for, with_unit};
 use super::page::{Column, Part, Section, Table};
 
@@ -21,7 +21,7 @@ const NAMES: [(&str, &str); 9] = [
     ("kinetic", "body, kinetic"),
     ("elastic", "body, strain"),
     ("support", "supports"),
-    ("total", "total"),
+    ("total", TOTAL),
     ("dissipated", "dissipated"),
     ("external", "work of loads"),
     ("numerical", "integration"),

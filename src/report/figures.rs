@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::figure::Sheet;
-use crate::figure::history::{Curve, History, Run, draw_inline};
+use crate::figure::history::{Curve, History, Role, Run, draw_inline};
 
 use super::number::{Units, unit_for};
 use super::page::Figure;
@@ -16,6 +16,9 @@ const NARROW: Sheet = Sheet { width: 700, height: 600 };
 const LEGEND_LINE: u32 = 40;
 /// Approximate number of names in a line of the legend, for wide and narrow figures.
 const NAMES_PER_LEGEND_LINE: [u32; 2] = [4, 1];
+
+/// Name of a curve that is the sum of the others.
+pub const TOTAL: &str = "total";
 
 /// Data of a figure with curves over time.
 pub struct Curves<'a> {
@@ -48,14 +51,14 @@ impl Curves<'_> {
             self.units,
         );
         let curve = |(label, values): (String, &[f64])| Curve {
+            role: if label == TOTAL { Role::Total } else { Role::Value },
             label,
             values: values.iter().map(|value| value / unit.size).collect(),
-            is_limit: false,
         };
         let limits = self.limits.into_iter().map(|(label, value)| Curve {
             label,
             values: vec![value / unit.size; self.time.len()],
-            is_limit: true,
+            role: Role::Limit,
         });
         let history = History {
             title: String::new(),

@@ -1,6 +1,7 @@
 //! Section of a report with the model, the reason for its selection, its estimated errors and its assumptions.
 
 use crate::record::provenance::ModelDetails;
+use crate::record::stress::Stresses;
 use crate::scene::{Model, Scene};
 
 use super::data::Data;
@@ -27,10 +28,7 @@ pub fn section(data: &Data) -> Section {
     }
     rows.push(Fact::new("Estimated error of the acceleration", acceleration_error(data).sentence()));
     if let Some(stresses) = &data.stresses {
-        rows.push(Fact::new(
-            "Estimated error of the largest tension",
-            stress_error(stresses.error_estimate).sentence(),
-        ));
+        rows.push(Fact::new("Estimated error of the largest tension", stress_error(data, stresses).sentence()));
     }
     let parts = vec![
         Part::Facts(Facts { caption: "Model".to_owned(), rows }),
@@ -91,7 +89,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    fn sentence(self) -> String {
+    /// The estimate as text.
+    pub fn sentence(self) -> String {
         format!("{} {}", self.value, self.of).trim_end().to_owned()
     }
 }
@@ -117,10 +116,15 @@ fn is_theory_left_out(data: &Data) -> bool {
     data.scene.as_ref().is_ok_and(is_named)
 }
 
-/// Estimated error of the largest tension.
-pub fn stress_error(error: f64) -> Estimate {
-    match error.is_nan() {
-        true => Estimate { value: "not estimated".to_owned(), of: String::new() },
-        false => Estimate { value: percent(error), of: "of the peak, in the first contact".to_owned() },
+/// Estimated error of the largest tension. The errors of tensions are estimated in the first contact only.
+pub fn stress_error(data: &Data, stresses: &Stresses) -> Estimate {
+    let error = stresses.error_estimate;
+    let is_later = stresses.largest.as_ref().is_some_and(|largest| data.is_after_first_contact(largest.time));
+    if error.is_nan() {
+        Estimate { value: "not estimated".to_owned(), of: String::new() }
+    } else if is_later {
+        Estimate { value: "not estimated".to_owned(), of: "after the first contact".to_owned() }
+    } else {
+        Estimate { value: percent(error), of: "of the peak, in the first contact".to_owned() }
     }
 }

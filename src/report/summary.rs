@@ -3,6 +3,7 @@
 use crate::impact::step::{Contact, Energy, Motion, Step};
 use crate::model::{self, Linearity};
 use crate::record::extremes::Extreme;
+use crate::record::stress::Passed;
 use crate::scene::Model;
 
 use super::data::Data;
@@ -57,14 +58,15 @@ fn strength(data: &Data) -> Option<Verdict> {
         percent(part),
         given(used.strength, STRESS)
     );
-    if part >= 1.0 || stresses.strength_passed_at.is_some() {
-        let when = stresses
-            .strength_passed_at
-            .map_or(String::new(), |at| format!("; the strength is first exceeded at {}", computed(at, TIME)));
+    if part >= 1.0 || stresses.strength_passed.is_some() {
+        let when = stresses.strength_passed.as_ref().map_or(String::new(), |Passed { time, face }| {
+            let on = if *face == used.largest.face { String::new() } else { format!(" of the {}", face_name(face)) };
+            format!("; the strength{on} is first exceeded at {}", computed(*time, TIME))
+        });
         return Some(verdict(Grade::Bad, "Strength exceeded", format!("{what}{when}.")));
     }
     let error = stresses.error_estimate;
-    let is_later = data.contacts.episodes.first().is_some_and(|first| used.largest.time > first.end);
+    let is_later = data.is_after_first_contact(used.largest.time);
     Some(if error.is_nan() || is_later {
         let of_what = if is_later { "a tension after the first contact" } else { "the tension" };
         verdict(Grade::Open, "Strength not exceeded", format!("{what}. The error of {of_what} is not estimated."))
@@ -143,7 +145,7 @@ fn facts(data: &Data) -> Vec<KeyFigure> {
     if let Some((stresses, largest)) = data.stresses.as_ref().and_then(|of| Some((of, of.largest.as_ref()?))) {
         let note = format!("{}, {}", face_name(&largest.face), at(largest.time));
         add("Largest tension", computed(largest.value, STRESS), note);
-        let Estimate { value, of } = stress_error(stresses.error_estimate);
+        let Estimate { value, of } = stress_error(data, stresses);
         add("Estimated error of the tension", value, of);
     }
     let Estimate { value, of } = acceleration_error(data);

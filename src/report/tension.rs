@@ -3,12 +3,12 @@
 use crate::error::Result;
 use crate::figure::Sheet;
 use crate::figure::face::draw_inline;
-use crate::record::stress::{Face, Largest, Stresses};
+use crate::record::stress::{Face, Largest, Passed, Stresses};
 
 use super::data::Data;
 use super::faces::face_figure;
 use super::figures::Curves;
-use super::model::{Estimate, stress_error};
+use super::model::stress_error;
 use super::number::{STRESS, TIME, computed, digits, given, percent, place, unit_for};
 use super::page::{Column, Figure, Part, Section, Table};
 
@@ -72,7 +72,7 @@ pub fn face_name(name: &str) -> String {
     match name {
         "upper" => "upper face (hit)".to_owned(),
         "lower" => "lower face (opposite)".to_owned(),
-        other => other.to_owned(),
+        other => format!("face {other}"),
     }
 }
 
@@ -142,16 +142,17 @@ fn table(data: &Data, stresses: &Stresses) -> Table {
 
 /// Describes the estimated error of the stresses, and when the strength was exceeded.
 fn judgement(data: &Data, stresses: &Stresses) -> String {
-    let strength = match (!data.strength.is_given(), stresses.strength_passed_at) {
+    let strength = match (!data.strength.is_given(), &stresses.strength_passed) {
         (true, _) => "The scene gives no strength.".to_owned(),
-        (false, Some(time)) => format!("The strength was first exceeded at {}.", computed(time, TIME)),
+        (false, Some(Passed { time, face })) => {
+            format!("The strength of the {} was first exceeded at {}.", face_name(face), computed(*time, TIME))
+        }
         (false, None) => "The strength was not exceeded.".to_owned(),
     };
     if stresses.error_estimate.is_nan() {
         return format!("{strength} The error of the largest tension is not estimated for this model and its steps.");
     }
-    let Estimate { value, of } = stress_error(stresses.error_estimate);
-    format!("{strength} Estimated error of the largest tension: {}.", format!("{value} {of}").trim_end())
+    format!("{strength} Estimated error of the largest tension: {}.", stress_error(data, stresses).sentence())
 }
 
 /// The faces to be drawn.

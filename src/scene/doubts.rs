@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use super::check::show;
+use super::check::{one_digit, show};
 use super::decode::decode;
 use super::values::Number;
-use super::{Parts, Scene, SceneError, Source, Vec3, raw};
+use super::{Geometry, Parts, Scene, SceneError, Source, SupportKind, Vec3, raw};
 use crate::material::{Material, Maxwell};
 
 /// Smallest plausible Young's modulus, Pa. Rubber is stiffer.
@@ -18,6 +18,21 @@ const SOFT_SHEAR: f64 = SOFT / 3.0;
 
 /// Smallest plausible strength, Pa. Foam is stronger.
 const WEAK: f64 = 1e4;
+
+/// Largest plausible strength, Pa. Steel, glass and concrete are weaker.
+const STRONG: f64 = 5e9;
+
+/// Thickness above which a layer is doubtful in any case, m.
+const THICK: f64 = 5.0;
+/// Thickness above which a layer is doubtful if it is also thick beside the edges and the other layers, m.
+const THICK_BESIDE_OTHERS: f64 = 0.1;
+/// Largest plausible thickness of a layer over the shorter edge, and over the thinnest layer. A doubtful layer exceeds
+/// both: layered bars and blocks exceed one of them.
+const THICK_FOR_EDGE: f64 = 0.4;
+const THICK_FOR_LAYERS: f64 = 40.0;
+
+/// Smallest plausible stiffness of a support, N/m³. A mattress is stiffer.
+const SOFT_SUPPORT: f64 = 1e3;
 
 /// Smallest plausible density, kg/m³. Foam is heavier.
 const LIGHT: f64 = 25.0;
@@ -101,10 +116,37 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
     for (key, strength) in of_all.into_iter().chain(of_faces) {
         let help = format!("a strength is in Pa: {} MPa are {}", show(strength), show(1e6 * strength));
         doubt(&key, WEAK / strength, format!("{} Pa is weaker than foam", show(strength)), help);
+        let help = "a strength is in Pa: 45 MPa are 45e6".to_owned();
+        doubt(&key, strength / STRONG, format!("{} Pa is stronger than any steel or glass", show(strength)), help);
+    }
+    let thicknesses: Vec<f64> = raw.body.layer.0.iter().map(|layer| layer.thickness.0).collect();
+    if let Geometry::Box { size: [x, y, _], .. } = scene.body.geometry {
+        let (edge, thinnest) = (x.min(y), thicknesses.iter().copied().fold(f64::INFINITY, f64::min));
+        for (number, thickness) in thicknesses.iter().enumerate() {
+            let beside = [THICK_BESIDE_OTHERS, THICK_FOR_EDGE * edge, THICK_FOR_LAYERS * thinnest]
+                .map(|usual| thickness / usual);
+            let excess = beside.into_iter().fold(f64::INFINITY, f64::min).max(thickness / THICK);
+            let what =
+                format!("a layer of {} m is thick beside edges of {} and {} m", show(*thickness), show(x), show(y));
+            let help = format!("a thickness is in m: {} mm are {}", show(*thickness), show(1e-3 * thickness));
+            doubt(&format!("body.layer.{number}.thickness"), excess, what, help);
+        }
+    }
+    for (number, support) in scene.supports.iter().enumerate() {
+        let (SupportKind::Elastic { stiffness } | SupportKind::Pad { stiffness, .. }) = support.kind else { continue };
+        // Zero is a support without springs.
+        let stiffness = Some(largest(stiffness)).filter(|stiffness| *stiffness > 0.0);
+        let Some(stiffness) = stiffness else { continue };
+        let what = format!("{} N/m3 is softer than a mattress", show(stiffness));
+        let help = "a stiffness is in N/m3, for each m2 of the surface: 1 N/mm3 is 1e9".to_owned();
+        doubt(&format!("support.{number}.stiffness"), SOFT_SUPPORT / stiffness, what, help);
     }
     if let Some(Number(temperature)) = raw.body.temperature {
-        let help =
-            format!("temperatures are in °C: {} K are {} °C", show(temperature), show(temperature - ZERO_CELSIUS));
+        let help = format!(
+            "temperatures are in °C: {} K are {} °C",
+            show(temperature),
+            show((1e6 * (temperature - ZERO_CELSIUS)).round() / 1e6)
+        );
         doubt(
             "body.temperature",
             temperature / HOT,
@@ -148,7 +190,7 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
             "a step of {} s is longer than a contact on a half-space, {contact:.1e} s, which it leaps over",
             show(step)
         );
-        let help = format!("a step of at most {:.0e} s, or none: then it is chosen", 0.05 * contact);
+        let help = format!("a step of at most {} s, or none: then it is chosen", one_digit(0.05 * contact));
         doubt("time.step", step / contact, what, help);
     }
     all

@@ -85,10 +85,14 @@ fn inward(size: Vec3, point: Vec3, direction: Vec3) -> Vec3 {
     })
 }
 
-/// Centre of the face that is hit by a body moving along `direction` from outside: the face normal to the largest
-/// component of the direction.
+/// Axis normal to the face that is hit by a body moving along `direction` from outside: the axis of the largest component.
+pub(super) fn across(direction: Vec3) -> usize {
+    (0..3).fold(0, |best, i| if direction[i].abs() >= direction[best].abs() { i } else { best })
+}
+
+/// Centre of the face that is hit by a body moving along `direction` from outside.
 pub(super) fn struck_centre(size: Vec3, direction: Vec3) -> Vec3 {
-    let axis = (0..3).fold(0, |best, i| if direction[i].abs() >= direction[best].abs() { i } else { best });
+    let axis = across(direction);
     let mut centre = [0.0; 3];
     centre[axis] = -direction[axis].signum() * size[axis] / 2.0;
     centre

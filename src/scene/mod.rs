@@ -32,6 +32,7 @@ use std::path::Path;
 use crate::contact::ForceLaw;
 
 pub use body::{Body, Geometry, Model, Reduction, Symmetry};
+pub use check::one_digit;
 pub use composition::{Composition, Layer, Parts};
 pub use differences::differences;
 pub use doubts::{Doubt, doubts};
@@ -167,6 +168,16 @@ impl Scene {
         let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else { return None };
         let to_edge = |axis: usize| 0.5 * size[axis] - self.impactor.point[axis].abs();
         (0..3).filter(|axis| *axis != struck).map(to_edge).min_by(f64::total_cmp)
+    }
+
+    /// Words for the quantity in `measure` that follow "error" or "difference" in a message; empty for the acceleration,
+    /// which is the default. With clamped edges the largest tension may be there, where its error is not estimated.
+    pub fn of_measure(&self) -> &'static str {
+        match self.measure {
+            Measure::Acceleration => "",
+            Measure::Stress if self.clamps_sections() => " of the tension under the impact point",
+            Measure::Stress => " of the largest tension",
+        }
     }
 
     /// Whether a support clamps displacements in the plane of the plate.

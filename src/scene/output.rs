@@ -40,16 +40,6 @@ pub enum Measure {
     Stress,
 }
 
-impl Measure {
-    /// Words that follow "error" or "difference" in a message; empty for the acceleration, which is the default.
-    pub fn of_what(self) -> &'static str {
-        match self {
-            Self::Acceleration => "",
-            Self::Stress => " of the largest tension",
-        }
-    }
-}
-
 /// A point of the body that is recorded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {

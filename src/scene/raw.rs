@@ -6,7 +6,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::values::{ByComponent, Edges, FileOrPoints, FileOrTerms, List, Number, Three, Whole, WordOrWhole};
+use super::values::{
+    ByComponent, Edges, FileOrPoints, FileOrTerms, List, Number, SurfacePoint, Three, Whole, WordOrWhole,
+};
 
 /// Values of `body.model`. In this list and the next ones, the first value is the default.
 pub(super) const MODELS: [&str; 7] =
@@ -219,8 +221,8 @@ pub(super) struct Impactor {
     pub drop_height: Option<Number>,
     /// Whether the impactor's weight acts on it along z during the run; default false.
     pub gravity: Option<bool>,
-    /// Impact point on the surface of the body, m.
-    pub point: Option<Three<Number>>,
+    /// Impact point on the surface of the body, m: three coordinates, or the two along the face of a box that is hit.
+    pub point: Option<SurfacePoint>,
     /// Direction of travel, into the body; default [0, 0, -1].
     pub direction: Option<Three<Number>>,
     /// Distance to the surface at t = 0, m; default 0.

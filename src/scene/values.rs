@@ -46,6 +46,13 @@ pub(super) enum Edges {
     AlongLayers([f64; 2]),
 }
 
+/// A point of the surface: three coordinates, or the two along the impacted face of a box.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum SurfacePoint {
+    All(Vec3),
+    AlongFace([f64; 2]),
+}
+
 /// Three entries, one for each direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Three<T>(pub [T; 3]);
@@ -213,6 +220,31 @@ impl<'de> Visitor<'de> for EdgesVisitor {
     }
 }
 
+impl<'de> Deserialize<'de> for SurfacePoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(SurfacePointVisitor)
+    }
+}
+
+struct SurfacePointVisitor;
+
+impl<'de> Visitor<'de> for SurfacePointVisitor {
+    type Value = SurfacePoint;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("three numbers [x, y, z], or two along the face of a box that is hit")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<SurfacePoint, A::Error> {
+        let numbers: Vec<f64> = all::<_, Number>(entries)?.into_iter().map(|number| number.0).collect();
+        match numbers[..] {
+            [x, y, z] => Ok(SurfacePoint::All([x, y, z])),
+            [first, second] => Ok(SurfacePoint::AlongFace([first, second])),
+            _ => Err(de::Error::invalid_length(numbers.len(), &self)),
+        }
+    }
+}
+
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Three<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(ThreeVisitor(PhantomData))
@@ -331,6 +363,9 @@ inline_schema!(FileOrTerms, generator => {
     json_schema!({ "anyOf": [{ "type": "string" }, { "type": "array", "items": term }] })
 });
 inline_schema!(Edges, _generator => json_schema!({
+    "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3
+}));
+inline_schema!(SurfacePoint, _generator => json_schema!({
     "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3
 }));
 inline_schema!(@T Three<T>, generator => {

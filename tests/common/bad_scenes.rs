@@ -90,7 +90,7 @@ fn grammar() -> Vec<BadScene> {
         edit("a colon", GOOD, ("mass = 52.0", "mass: 52.0"), &["not valid TOML", "not `:`"], ("mass", "mass")),
         edit("an array left open", GOOD, ("[1.5, 1.5, 0.1]", "[1.5, 1.5, 0.1"), &["not valid TOML", "in the line above"], ("cells", "cells")),
         edit("header left open", GOOD, ("[time]", "[time"), &["not valid TOML"], ("time", "[time")),
-        edit("key twice", GOOD, ("order = 2", "order = 2\norder = 1"), &["not valid TOML", "duplicate"], ("order", "order = 1")),
+        edit("key twice", GOOD, ("order = 2", "order = 2\norder = 1"), &["not valid TOML", "duplicate", "a key stands once in its table"], ("order", "order = 1")),
         edit("text left open", GOOD, ("\"Plate\"", "\"Plate"), &["not valid TOML"], ("title", "title")),
         edit("no body", SMALL, ("[body]", "[load]"), &["unknown key", "known here"], ("load.young", "young = 70e9")),
         edit("unknown table", GOOD, ("[solver]", "[slover]"), &["unknown key", "did you mean `solver`?"], ("slover", "[slover]")),
@@ -227,6 +227,9 @@ fn impactor() -> Vec<BadScene> {
         edit("from below by default", SMALL, ("speed = 1", "speed = 1\npoint = [0, 0, -0.05]"), &["does not lead into the body"], ("impactor.point", "point")),
         edit("along the surface", GOOD, ("direction = [0.0, 0.0, -1.0]", "direction = [1, 0, 0]"), &["does not lead into the body"], ("impactor.direction", "direction")),
         edit("no direction", GOOD, ("direction = [0.0, 0.0, -1.0]", "direction = [0, 0, 0]"), &["zero vector"], ("impactor.direction", "direction")),
+        edit("mesh with a point on a face", MESH, ("point = [0, 0, 0.05]", "point = [0, 0]"), &["two numbers are a point on a face of a box"], ("impactor.point", "point")),
+        edit("a point beside the face", SMALL, ("speed = 1", "speed = 1\npoint = [0, 0.8]"), &["is 5.00e-2 m away from the body's surface"], ("impactor.point", "point")),
+        edit("a point of one number", SMALL, ("speed = 1", "speed = 1\npoint = [0]"), &["or two along the face"], ("impactor.point", "point")),
         edit("mesh without a point", MESH, ("point = [0, 0, 0.05]\n", ""), &["needs this key"], ("impactor.point", "[impactor]")),
     ]
 }

@@ -38,6 +38,9 @@ pub fn add(file: &hdf5::File, strength_passed_at: f64) -> f64 {
     file.attr("largest_stress_point").unwrap().write(&POINT).unwrap();
     let face: VarLenUnicode = "lower".parse().unwrap();
     file.attr("largest_stress_face").unwrap().write_scalar(&face).unwrap();
+    if strength_passed_at.is_finite() {
+        file.attr("strength_passed_face").unwrap().write_scalar(&face).unwrap();
+    }
     at
 }
 

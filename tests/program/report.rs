@@ -166,6 +166,20 @@ fn tension_is_held_against_the_strength() {
         let drawn = select(&page, "svg text").filter(|text| text.trim().starts_with("strength ")).count();
         assert_eq!(drawn, if strength.contains("face") { 4 } else { 2 });
     }
+    // The strength is exceeded first on a face other than the one that uses the largest fraction of its strength.
+    let folder = with_strength("[strength.face]\nupper = 10e6\nlower = 40e6", 2e-4);
+    let page = report(&folder);
+    let verdict: String = select(&page, ".verdict.bad").collect();
+    assert!(verdict.contains("the strength of the lower face (opposite) is first exceeded at 0.2000 ms"), "{verdict}");
+    // The estimate is for the first contact: a later tension has none.
+    let folder = with_strength("tension = 60e6", f64::NAN);
+    change(&folder.path().join("out.h5"), |file| {
+        let end = file.dataset("contacts/end").unwrap().read_raw::<f64>().unwrap()[0];
+        file.attr("largest_stress_time").unwrap().write_scalar(&(1.01 * end)).unwrap();
+    });
+    let page = report(&folder);
+    says(&page, &["Estimated error of the largest tension: not estimated after the first contact."]);
+    assert!(select(&page, "body").all(|text| !text.contains("5.0 % of the peak")));
     let folder = with_strength("", f64::NAN);
     assert_eq!(select(&report(&folder), ".verdict").count(), 0);
 }

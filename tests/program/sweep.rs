@@ -11,6 +11,7 @@ use crate::sweeps::{content, members, messages, numbers, supported};
 pub const TESTS: &[PlainTest] = tests![
     members_are_the_runs_of_their_scenes,
     probes_are_kept_with_series,
+    probes_do_not_count_without_series,
     any_number_of_ranks_writes_the_same,
     a_family_answers_as_its_members,
     families_are_of_one_property,
@@ -55,6 +56,19 @@ fn probes_are_kept_with_series() {
             }
         }
     }
+}
+
+/// Without series a sweep keeps no probes, so one on the face of the given plate does not limit the thicknesses. A hit
+/// off the centre with a point of two numbers stays on the face.
+fn probes_do_not_count_without_series() {
+    let folder = folder(&(supported() + "[output]\nprobes = [{ name = \"below\", point = [0.05, 0, -0.01] }]\n"));
+    let line = "sweep scene.toml --set impactor.point=[0.1,0.05] --vary body.size.2=0.01,0.02";
+    good(&folder, 0, &format!("{line} -o sweep.h5"));
+    let forces = numbers(&file(&folder, "sweep.h5"), "members/peak_force");
+    assert!(forces.len() == 2 && forces.iter().all(|force| *force > 0.0), "{forces:?}");
+    let outcome = run(ricochet(folder.path(), 0).args(words(&format!("{line} --series -o series.h5"))));
+    assert_eq!(outcome.status, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("output.probes.0.point"), "{outcome:?}");
 }
 
 fn file(folder: &tempfile::TempDir, name: &str) -> std::path::PathBuf {

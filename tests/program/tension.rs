@@ -26,7 +26,8 @@ fn results_tell_the_largest_tension() {
     for ranks in [0, 2] {
         let said = good(&folder, ranks, "run scene.toml -o out.h5 --force --set strength.tension=50e6");
         assert!(
-            said.stdout.contains("largest tension ") && said.stdout.contains("the strength is exceeded from "),
+            said.stdout.contains("largest tension ")
+                && said.stdout.contains("; the strength of face \"lower\" is first exceeded at "),
             "{said:?}"
         );
         let path = folder.path().join("out.h5");
@@ -39,6 +40,7 @@ fn results_tell_the_largest_tension() {
         let passed: f64 = number(&file, "strength_passed_at");
         let first = lower.iter().position(|tension| *tension > 50e6).unwrap();
         assert_eq!(time[first], passed);
+        assert_eq!(text(&file, "strength_passed_face"), "lower");
         let [ring, force, indentation] =
             ["stress/ring", "contact/force", "contact/indentation"].map(|name| column(&path, name));
         for (row, ring) in ring.iter().enumerate().skip(1) {
@@ -49,7 +51,13 @@ fn results_tell_the_largest_tension() {
     }
     assert!((found[0] / found[1] - 1.0).abs() < 1e-9, "{found:?}");
     let facts = good(&folder, 0, "info out.h5 --json").stdout;
-    assert!(facts.contains("\"strength_passed_at\""), "{facts}");
+    assert!(facts.contains("\"strength_passed_at\"") && facts.contains("\"strength_passed_face\""), "{facts}");
+    // The largest tension is on the lower face, but only the upper one has a strength.
+    let said = good(&folder, 0, "run scene.toml -o upper.h5 --set strength.face.upper=1e6");
+    let is_named =
+        said.stdout.contains("on face \"lower\"") && said.stdout.contains("the strength of face \"upper\" is");
+    assert!(is_named, "{said:?}");
+    assert_eq!(text(&open(folder.path().join("upper.h5")), "strength_passed_face"), "upper");
     good(&folder, 0, "plot out.h5 --quantity stress -o stress.svg");
 }
 
@@ -131,7 +139,16 @@ fn strengths_are_of_faces_that_are_there() {
 /// Each member's largest tension equals the value of its run, except for the effect of another basis.
 fn sweeps_have_a_column_for_it() {
     let folder = folder(PANE);
-    good(&folder, 0, "sweep scene.toml --vary impactor.speed=0.5,1 --set strength.face.lower=50e6 -o sweep.h5");
+    let line = "sweep scene.toml --vary impactor.speed=0.5,1";
+    let said = good(&folder, 0, &format!("{line} --set strength.face.lower=50e6 -o sweep.h5")).stdout;
+    let summary = "MPa, the largest of member 1: impactor.speed=1; the strength is exceeded in 1 of 2 members, the first of them member 1";
+    assert!(said.contains("largest tension ") && said.contains(summary), "{said}");
+    for (strength, told) in [(1e6, "the strength is exceeded in all members"), (1e9, "the strength is not exceeded")] {
+        let said =
+            good(&folder, 0, &format!("{line} --set strength.tension={strength:e} -o other-{strength}.h5")).stdout;
+        assert!(said.contains(told), "{said}");
+    }
+    assert!(!good(&folder, 0, &format!("{line} -o without.h5")).stdout.contains("largest tension"));
     let file = open(folder.path().join("sweep.h5"));
     let of = |name: &str| file.dataset(&format!("members/{name}")).unwrap().read_raw::<f64>().unwrap();
     good(&folder, 0, "plot sweep.h5 --quantity largest_stress_face -o faces.svg");
@@ -191,6 +208,15 @@ fn tensions_at_clamped_edges_have_no_estimate() {
         assert_eq!(number::<f64>(&file, "stress_error_estimate").is_nan(), is_at_edge, "{said:?}");
         assert_eq!(said.stdout.contains("without an estimate of its error"), is_at_edge, "{said:?}");
     }
+    // With accuracy.quantity = "stress", the messages before and after the run do not call the estimate one of the
+    // largest tension.
+    let said = good(&folder, 0, "run scene.toml -o out.h5 --force --set accuracy.quantity=stress");
+    assert!(said.stdout.contains("without an estimate of its error: it is at a clamped edge"), "{said:?}");
+    assert!(
+        !said.stderr.contains("error of the largest tension ")
+            || said.stderr.contains("largest tension is not estimated")
+    );
+    assert!(said.stderr.contains("is for the tension under the impact point, whose estimated error"), "{said:?}");
     // Near the corner of two clamped edges a plate's largest tension is under the impact point, and a solid's is at the
     // edge. The run says so.
     let corner = "--set impactor.point=[0.09,0.09,0.005] --set impactor.mass=0.2 --set impactor.radius=0.025 --set impactor.speed=2.4 --set time.end=1e-4";

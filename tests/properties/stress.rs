@@ -7,7 +7,7 @@ use crate::sample::{COST, provenance, step};
 use crate::stresses::{PEAKS, POINT, add};
 use hdf5_metno as hdf5;
 use ricochet::record::series::SeriesWriter;
-use ricochet::record::stress::{Largest, Stresses};
+use ricochet::record::stress::{Largest, Passed, Stresses};
 
 /// A result of 101 steps.
 fn result(folder: &Path) -> PathBuf {
@@ -41,7 +41,7 @@ fn stresses_have_faces_places_and_the_largest_of_all() {
     assert_eq!(stresses.largest.as_ref(), Some(&largest));
     // Half a wave is largest in its middle row.
     assert_eq!(stresses.faces[1].peak(&stresses.time), Some(largest));
-    assert_eq!(stresses.strength_passed_at, None);
+    assert_eq!(stresses.strength_passed, None);
 }
 
 /// A killed run has neither the attributes of its end nor rows of equal length: the stresses are read from the rows.
@@ -61,5 +61,5 @@ fn rows_tell_what_the_attributes_do_not() {
     assert_eq!((stresses.time.len(), stresses.faces[1].largest.len()), (40, 40));
     let largest = stresses.largest.unwrap();
     assert_eq!((largest.face.as_str(), largest.time), ("lower", stresses.time[39]));
-    assert_eq!(stresses.strength_passed_at, Some(4e-4));
+    assert_eq!(stresses.strength_passed, Some(Passed { time: 4e-4, face: "lower".into() }));
 }

@@ -73,7 +73,7 @@ pub(super) fn json(report: &Report) -> String {
         supports: scene.supports.iter().map(support_line).collect(),
         model: made.map(|made| ModelFacts {
             theory: model::name(made.theory),
-            description: describe_model(made, scene.measure),
+            description: describe_model(made, scene),
             reason: made.reason.as_deref(),
             unknowns: made.unknowns,
             vectors: made.vectors,

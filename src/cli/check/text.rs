@@ -49,14 +49,14 @@ fn print_scene(report: &Report) {
         }
         Geometry::Gmsh(path) => path.display().to_string(),
     };
-    let mass = mass.map_or(String::new(), |mass| format!(", {mass:.4} kg"));
+    let mass = mass.map_or(String::new(), |mass| format!(", {} kg", kilograms(mass)));
     say(format_args!("body       {geometry}{mass}"));
     if let Some(measures) = measures {
         print_measures(measures);
     }
     match model {
         Ok(model) => {
-            say(format_args!("model      {}", describe_model(model, scene.measure)));
+            say(format_args!("model      {}", describe_model(model, scene)));
             if let Some(reason) = &model.reason {
                 say(format_args!("           {reason}"));
             }
@@ -201,6 +201,11 @@ fn plain(value: f64) -> String {
     }
 }
 
+/// Formats a mass, kg: to a tenth of a gram, with a power of ten if it is very small or large.
+fn kilograms(mass: f64) -> String {
+    if (1e-2..1e6).contains(&mass) { format!("{mass:.4}") } else { short(mass) }
+}
+
 /// Duration of a contact on a half-space, s.
 pub(super) fn contact_time(scene: &Scene) -> f64 {
     scene.impactor.contact_time()
@@ -259,4 +264,15 @@ fn relaxations(scene: &Scene) -> Vec<String> {
         part.pruned.as_ref().map(|pruned| format!("{place}: {pruned}"))
     };
     Description::new(scene).parts.iter().filter_map(words).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mass_has_few_digits() {
+        let shown = [12.5, 16.2e9, 3e-6].map(kilograms);
+        assert_eq!(shown, ["12.5000", "1.6200e10", "3.0000e-6"]);
+    }
 }

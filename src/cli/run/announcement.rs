@@ -40,7 +40,7 @@ impl Announcement {
         };
         Ok(Self {
             poor,
-            described: describe_model(model, scene.measure),
+            described: describe_model(model, scene),
             reason: model.reason.clone(),
             warnings: notes::texts(notes::of_geometry(scene, model.measures.as_ref())),
             of_measure: notes::note_of_measure(model, scene),

@@ -59,7 +59,8 @@ impl Recorder {
         // If nothing was computed, existing fields are left as they are.
         let fields = self.recording.as_mut().filter(|_| is_complete || self.writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
-        self.writer.set_largest(self.summary.largest_tension().with_error(end.estimate.of_tension(), scene));
+        let largest_tension = self.summary.largest_tension().with_error(end.estimate.of_tension(), scene);
+        self.writer.set_largest(largest_tension);
         // If the steps have failed, the caller reports that error: a full disk first fails the steps and then the end.
         self.writer.finish(end.cost, is_complete).and(recorded)?;
         let Some(flow) = flow else { return Ok(()) };
@@ -74,10 +75,8 @@ impl Recorder {
         if let Some(warning) = self.summary.warning() {
             tell(format_args!("warning: {warning}"));
         }
-        if let Some(errors) = &end.estimate.total() {
-            for missed in notes::missed(errors, (scene.measure, scene.tolerance), end.was_warned) {
-                note(format_args!("note: {missed}"));
-            }
+        for missed in notes::missed(end.estimate, scene, end.was_warned, &largest_tension) {
+            note(format_args!("note: {missed}"));
         }
         if let Some(warning) = self.summary.warning_of_end().filter(|_| flow.is_continue()) {
             tell(format_args!("warning: {warning}"));

@@ -24,14 +24,37 @@ pub struct LargestTension {
     pub point: Vec3,
     /// Time at which the tension first exceeds the strength of a face, s; NaN if it never does.
     pub strength_passed_at: f64,
+    /// Number of that face; meaningless if it never does.
+    #[serde(skip)]
+    pub strength_passed_face: usize,
     /// Estimated error divided by the value; NaN if there is no estimate.
     pub error_estimate: f64,
+}
+
+/// Largest tension of a run, with the names of the faces.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct TensionExtreme {
+    /// Value, time and position of the largest tension.
+    #[serde(flatten)]
+    pub largest: LargestTension,
+    /// Name of the face.
+    pub face: String,
+    /// Name of the face whose strength is exceeded first; empty if no strength is exceeded.
+    pub strength_passed_face: String,
 }
 
 impl Default for LargestTension {
     fn default() -> Self {
         let none = f64::NAN;
-        Self { value: none, face: 0, time: none, point: [none; 3], strength_passed_at: none, error_estimate: none }
+        Self {
+            value: none,
+            face: 0,
+            time: none,
+            point: [none; 3],
+            strength_passed_at: none,
+            strength_passed_face: 0,
+            error_estimate: none,
+        }
     }
 }
 
@@ -51,7 +74,7 @@ impl LargestTension {
             }
             let is_passed = strengths.get(face).copied().flatten().is_some_and(|strength| tension.largest > strength);
             if is_passed && self.strength_passed_at.is_nan() {
-                self.strength_passed_at = time;
+                (self.strength_passed_at, self.strength_passed_face) = (time, face);
             }
         }
     }
@@ -67,7 +90,8 @@ impl LargestTension {
         for (name, x) in ["x", "y", "z"].into_iter().zip(&mut self.point) {
             visitor.number(&format!("largest_stress_{name}"), x)?;
         }
-        visitor.number("strength_passed_at", &mut self.strength_passed_at)
+        visitor.number("strength_passed_at", &mut self.strength_passed_at)?;
+        visitor.count("strength_passed_face", &mut self.strength_passed_face)
     }
 
     /// Creates the attributes of the root, with NaN and empty text.
@@ -76,6 +100,7 @@ impl LargestTension {
             write_scalar(root, name, f64::NAN)?;
         }
         write_text(root, FACE, "")?;
+        write_text(root, PASSED_FACE, "")?;
         root.new_attr::<f64>().shape(3).create(POINT)?.write(&[f64::NAN; 3])
     }
 
@@ -85,24 +110,29 @@ impl LargestTension {
         for (name, value) in NUMBERS.into_iter().zip(values) {
             root.attr(name)?.write_scalar(&value)?;
         }
-        let face = names.get(self.face).filter(|_| !self.value.is_nan()).map_or("", String::as_str);
-        let face: VarLenUnicode = face.parse().unwrap_or_default();
-        root.attr(FACE)?.write_scalar(&face)?;
+        let faces = [(FACE, self.face, self.value), (PASSED_FACE, self.strength_passed_face, self.strength_passed_at)];
+        for (attribute, face, known) in faces {
+            let face = names.get(face).filter(|_| !known.is_nan()).map_or("", String::as_str);
+            let face: VarLenUnicode = face.parse().unwrap_or_default();
+            root.attr(attribute)?.write_scalar(&face)?;
+        }
         root.attr(POINT)?.write(&self.point)
     }
 
-    /// Reads the attributes written by [`Self::update`], with the name of the face; `None` if the result is older than
-    /// these attributes. They are NaN for a run without stresses or a killed run.
-    pub(in crate::record) fn read(root: &hdf5::Location) -> Option<(Self, String)> {
+    /// Reads the attributes written by [`Self::update`]; `None` if the result is older than these attributes. They are
+    /// NaN for a run without stresses or a killed run.
+    pub(in crate::record) fn read(root: &hdf5::Location) -> Option<TensionExtreme> {
         let [value, time, strength_passed_at, error_estimate] =
             NUMBERS.map(|name| root.attr(name).and_then(|attr| attr.read_scalar::<f64>()).unwrap_or(f64::NAN));
         let point = root.attr(POINT).and_then(|attr| attr.read_raw::<f64>()).ok()?;
         let point = [*point.first()?, *point.get(1)?, *point.get(2)?];
-        let found = Self { value, face: 0, time, point, strength_passed_at, error_estimate };
-        Some((found, text(root, FACE).unwrap_or_default()))
+        let largest = Self { value, time, point, strength_passed_at, error_estimate, ..Self::default() };
+        let [face, strength_passed_face] = [FACE, PASSED_FACE].map(|name| text(root, name).unwrap_or_default());
+        Some(TensionExtreme { largest, face, strength_passed_face })
     }
 }
 
 const NUMBERS: [&str; 4] = ["largest_stress", "largest_stress_time", "strength_passed_at", "stress_error_estimate"];
 const FACE: &str = "largest_stress_face";
+const PASSED_FACE: &str = "strength_passed_face";
 const POINT: &str = "largest_stress_point";

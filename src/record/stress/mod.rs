@@ -8,9 +8,9 @@ mod map;
 mod read;
 mod write;
 
-pub use largest::LargestTension;
+pub use largest::{LargestTension, TensionExtreme};
 pub use map::{FaceMap, MapPoints, STRESS_MAP, StressMaps};
-pub use read::{Face, Largest, Stresses};
+pub use read::{Face, Largest, Passed, Stresses};
 pub use write::EarlierTensions;
 
 pub(super) use map::MapDatasets;

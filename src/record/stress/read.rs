@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::record::read::{check_run, open};
 use crate::scene::Vec3;
 
-use super::LargestTension;
+use super::{LargestTension, TensionExtreme};
 
 /// Largest principal stresses of a run, by face.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,8 +23,17 @@ pub struct Stresses {
     pub largest: Option<Largest>,
     /// Estimated error of the largest stress divided by its value; NaN if there is no estimate.
     pub error_estimate: f64,
-    /// Time at which the strength was first exceeded, s; `None` if it never was.
-    pub strength_passed_at: Option<f64>,
+    /// Where and when a strength was first exceeded; `None` if none was.
+    pub strength_passed: Option<Passed>,
+}
+
+/// First excess of a strength.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Passed {
+    /// Time, s.
+    pub time: f64,
+    /// Name of the face.
+    pub face: String,
 }
 
 /// Largest principal stress on one face.
@@ -113,18 +122,18 @@ impl Stresses {
         // are used.
         let of_rows = faces.iter().filter_map(|face| face.peak(&time));
         let of_rows = of_rows.max_by(|one, other| one.value.total_cmp(&other.value));
-        let attributes = LargestTension::read(file);
-        let of_run = attributes.clone().filter(|(found, _)| found.value.is_finite() && found.time.is_finite());
-        let of_run =
-            of_run.map(|(found, face)| Largest { value: found.value, face, time: found.time, point: found.point });
-        let (found, _) = attributes.unwrap_or_default();
+        let TensionExtreme { largest: found, face, strength_passed_face } =
+            LargestTension::read(file).unwrap_or_default();
+        let is_complete = found.value.is_finite() && found.time.is_finite();
+        let of_run = is_complete.then_some(Largest { value: found.value, face, time: found.time, point: found.point });
         Ok(Self {
             time,
             faces,
             ring,
             largest: of_run.or(of_rows),
             error_estimate: found.error_estimate,
-            strength_passed_at: Some(found.strength_passed_at).filter(|time| time.is_finite()),
+            strength_passed: (found.strength_passed_at.is_finite())
+                .then_some(Passed { time: found.strength_passed_at, face: strength_passed_face }),
         })
     }
 }

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::super::values::Number;
-use super::super::{Composition, Layer, Parts, SceneError, Source, faces, raw, suggest};
+use super::super::{Composition, Layer, Parts, SceneError, Source, raw, suggest};
 use super::body::Outline;
+use super::impactor;
 use super::material::{self, Named};
 use crate::form;
 use crate::material::Material;
@@ -162,10 +163,7 @@ impl Materials {
 /// point.
 fn struck_layer(raw: &raw::Scene, size: [f64; 3], layers: &[Layer]) -> usize {
     let direction = raw.impactor.direction.map_or([0.0, 0.0, -1.0], |direction| direction.numbers());
-    let height = match raw.impactor.point {
-        Some(point) => point.numbers()[2],
-        None => faces::struck_centre(size, direction)[2],
-    };
+    let [_, _, height] = impactor::point_of_box(&raw.impactor, size, direction);
     let mut bottom = 0.5 * size[2];
     // On an interface, the layer above counts. A point that is outside the body by rounding is in the last layer.
     let is_above = |layer: &Layer| {

@@ -1,6 +1,6 @@
 //! Checks the impactor: mass, radius, speed, impact point, direction and contact stiffness.
 
-use super::super::values::{Number, Three};
+use super::super::values::{Number, SurfacePoint, Three};
 use super::super::{Impactor, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
 use super::body::Outline;
 use super::contact;
@@ -114,22 +114,42 @@ fn stiffness(
     ))
 }
 
+/// Impact point of a box, m. Two given numbers are the coordinates along the face that is hit, axes ascending; without a
+/// point it is the centre of that face. The direction need not be a unit vector.
+pub(super) fn point_of_box(raw: &raw::Impactor, size: Vec3, direction: Vec3) -> Vec3 {
+    let mut centre = faces::struck_centre(size, direction);
+    match raw.point {
+        Some(SurfacePoint::All(point)) => point,
+        Some(SurfacePoint::AlongFace(along)) => {
+            for (axis, x) in faces::along(faces::across(direction)).into_iter().zip(along) {
+                centre[axis] = x;
+            }
+            centre
+        }
+        None => centre,
+    }
+}
+
 fn point(source: &Source, raw: &raw::Impactor, outline: &Outline, direction: Vec3) -> Result<Vec3, SceneError> {
     let path = "impactor.point";
-    let given = raw.point.map(Three::numbers);
-    if let Some(point) = given {
-        source.finite(path, &point)?;
+    match &raw.point {
+        Some(SurfacePoint::All(point)) => source.finite(path, point)?,
+        Some(SurfacePoint::AlongFace(point)) => source.finite(path, point)?,
+        None => {}
     }
-    let size = match (outline, given) {
+    let size = match (outline, raw.point) {
         (Outline::Box(size), Some(_)) => *size,
         (Outline::Box(size), None) => return Ok(faces::struck_centre(*size, direction)),
-        (Outline::Gmsh(_), Some(point)) => return Ok(point),
-        (Outline::Gmsh(_), None) => {
-            let help = "`point = [x, y, z]` in m on the surface of the mesh";
-            return Err(source.error(path, "a body from a mesh file needs this key", help));
+        (Outline::Gmsh(_), Some(SurfacePoint::All(point))) => return Ok(point),
+        (Outline::Gmsh(_), given) => {
+            let message = match given {
+                Some(_) => "two numbers are a point on a face of a box, and the body is a mesh file",
+                None => "a body from a mesh file needs this key",
+            };
+            return Err(source.error(path, message, "`point = [x, y, z]` in m on the surface of the mesh"));
         }
     };
-    let point = given.unwrap_or_default();
+    let point = point_of_box(raw, size, direction);
     let off = faces::distance(size, point);
     if off > faces::tolerance(size) {
         let [x, y, z] = size.map(|edge| show(edge / 2.0));

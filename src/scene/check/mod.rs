@@ -29,6 +29,7 @@ use body::Outline;
 use composition::Struck;
 pub(super) use contact::table_in_file;
 pub(super) use material::with_series;
+pub use numbers::one_digit;
 pub(super) use numbers::show;
 
 /// Checks a source and returns its scene. Mesh files are relative to `folder`.

@@ -9,6 +9,11 @@ pub(in crate::scene) fn show(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
+/// Formats a number rounded to one digit.
+pub fn one_digit(value: f64) -> String {
+    show(format!("{value:.0e}").parse().unwrap_or(value))
+}
+
 impl Source {
     /// Checks that all values are finite.
     ///
@@ -65,5 +70,15 @@ impl Source {
         let scaled = vector.map(|v| v / largest);
         let length = scaled.iter().map(|v| v * v).sum::<f64>().sqrt();
         Ok(scaled.map(|v| if v.abs() > 1e-12 * length { v / length } else { 0.0 }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_digit;
+
+    #[test]
+    fn one_digit_is_written_as_people_do() {
+        assert_eq!([20.3, 1.04e-5, 0.0523, 3e5].map(one_digit), ["20", "1e-5", "0.05", "3e5"]);
     }
 }

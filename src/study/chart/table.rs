@@ -2,6 +2,7 @@
 
 use super::front::{LEVELS, best, front};
 use super::{Errors, Point, Reference};
+use crate::impact::estimated;
 use crate::study::history::Difference;
 
 /// A line of the CSV. Errors are relative to the reference's values; times are in s.
@@ -100,12 +101,12 @@ fn row(points: &[Point], level: f64, floor: f64) -> Vec<String> {
         first.method.clone(),
         first.setting.clone(),
         seconds(first.total()),
-        format!("{:.1e}", first.errors.history.first),
+        estimated(first.errors.history.first),
         next.map_or_else(none, |next| next.method.clone()),
         next.map_or_else(none, |next| slower(next.total())),
         auto.map_or_else(none, |auto| {
             let missed = if auto.errors.history.first > level { ", missed" } else { "" };
-            format!("{}, error {:.1e}{missed}", seconds(auto.total()), auto.errors.history.first)
+            format!("{}, error {}{missed}", seconds(auto.total()), estimated(auto.errors.history.first))
         }),
         peer.map_or_else(none, |peer| {
             let time = format!("{}: {}", peer.method, seconds(peer.total()));

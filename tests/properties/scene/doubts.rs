@@ -30,6 +30,17 @@ fn values_in_other_units_are_told_with_their_key_and_a_remedy() {
         (&["body.density=2.5e6"], ["body.density: ", "heavier than any metal"]),
         (&["strength.tension=45"], ["strength.tension: 45 Pa is weaker than foam", "45 MPa are 4.5e7"]),
         (&["strength.face.lower=45"], ["strength.face.lower: 45 Pa is weaker than foam", "in Pa"]),
+        (&["strength.tension=45e9"], ["strength.tension: 4.5e10 Pa is stronger than any steel", "45 MPa are 45e6"]),
+        (&["strength.face.lower=45e9"], ["strength.face.lower: 4.5e10 Pa is stronger", "in Pa"]),
+        // Given in N/mm3.
+        (
+            &["support=[{surface=\"side\",kind=\"elastic\",stiffness=5}]"],
+            ["support.0.stiffness: 5 N/m3 is softer than a mattress", "1 N/mm3 is 1e9"],
+        ),
+        (
+            &["support=[{surface=\"side\",kind=\"elastic\",stiffness=[0,0,5]}]"],
+            ["support.0.stiffness: 5 N/m3 is softer", "in N/m3"],
+        ),
         (&["impactor.radius=50"], ["impactor.radius: a ball of 50 m and 52 kg", "50 mm are 0.05"]),
         (&["load.body_force=[0,0,-1e12]"], ["load.body_force: the loads accelerate the body by 4.0e8 m/s2", "in N/m3"]),
         (
@@ -77,6 +88,32 @@ fn shear_and_bulk_moduli_in_other_units_are_told() {
     assert_eq!(doubted_of(LAMINATE, &["material.interlayer.shear=0"]), Vec::<String>::new());
 }
 
+/// A layer's thickness in millimetres is told: one layer, and all of them.
+#[test]
+fn a_thickness_in_millimetres_is_told() {
+    let said = doubted_of(LAMINATE, &["body.layer.1.thickness=0.76"]);
+    assert!(
+        matches!(&said[..], [one] if one.contains("body.layer.1.thickness: a layer of 0.76 m is thick beside edges of 0.5 and 0.5 m")
+            && one.contains("0.76 mm are 7.6e-4")),
+        "{said:?}"
+    );
+    let all = ["body.layer.0.thickness=8", "body.layer.1.thickness=1.52", "body.layer.2.thickness=8"];
+    let said = doubted_of(LAMINATE, &all);
+    assert!(said.len() == 2 && said.iter().all(|one| one.contains("8 mm are 0.008")), "{said:?}");
+    // A thick concrete slab with a thin topping, a sandwich with a thick core, a layered bar.
+    for size_and_layers in [["[3,3]", "0.3", "0.005"], ["[0.5,0.5]", "0.09", "0.001"], ["[0.02,0.02]", "0.5", "0.02"]] {
+        let [size, thick, thin] = size_and_layers;
+        let overrides = [
+            format!("body.size={size}"),
+            format!("body.layer.0.thickness={thin}"),
+            format!("body.layer.1.thickness={thick}"),
+            format!("body.layer.2.thickness={thin}"),
+        ];
+        let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+        assert_eq!(doubted_of(LAMINATE, &overrides), Vec::<String>::new());
+    }
+}
+
 /// A temperature in kelvin is told, for a material whose relaxation depends on it.
 #[test]
 fn a_temperature_in_kelvin_is_told() {
@@ -86,6 +123,8 @@ fn a_temperature_in_kelvin_is_told() {
          [material.soft]\ndensity = 1100.0\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
          wlf = { reference = 20.0, c1 = 12.6, c2 = 74.46 }\n\
          [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n";
+    let cold = doubted_of(scene, &["body.temperature=200.15"]);
+    assert!(matches!(&cold[..], [one] if one.contains("200.15 K are -73 °C")), "{cold:?}");
     let (scene, source) = Scene::parse("scene.toml", scene, &[]).unwrap();
     let [doubt] = &doubts(&scene, &source)[..] else { panic!("one doubt") };
     assert!(doubt.error.to_string().contains("293 °C is hotter"), "{}", doubt.error);
@@ -102,6 +141,9 @@ fn unusual_values_are_not_doubted() {
         &["body.density=200", "body.young=1e9"],
         &["impactor.radius=0.9"],
         &["impactor.young=1e15"],
+        &["strength.tension=3.5e9"],
+        &["support=[{surface=\"side\",kind=\"elastic\",stiffness=5e4}]"],
+        &["support=[{surface=\"side\",kind=\"elastic\",stiffness=[0,0,1e9]}]"],
         &["time.end=1"],
         &["time.step=5e-4"],
     ] {

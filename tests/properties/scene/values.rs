@@ -14,6 +14,27 @@ fn parse(text: &str, overrides: &[&str]) -> Result<Scene> {
     Ok(Scene::parse("scene.toml", text, &overrides)?.0)
 }
 
+/// A point of two numbers is on the face that is hit, whatever the thickness of the body is.
+#[test]
+fn a_point_of_two_numbers_is_on_the_face_that_is_hit() -> Result<()> {
+    let laminate = crate::bad_scenes::layers::LAMINATE;
+    for (text, overrides, point) in [
+        (SMALL, &["impactor.point=[0.3,-0.2]"][..], [0.3, -0.2, 0.05]),
+        (SMALL, &["impactor.point=[0.3,-0.2]", "body.size.2=0.02"], [0.3, -0.2, 0.01]),
+        (SMALL, &["impactor.point=[0.3,-0.2]", "impactor.direction=[0,0.3,0.9]"], [0.3, -0.2, -0.05]),
+        (SMALL, &["impactor.point=[0.3,0.02]", "impactor.direction=[0,1,0]"], [0.3, -0.75, 0.02]),
+        (laminate, &["impactor.point=[0.1,0]", "body.layer.0.thickness=0.00914"], [0.1, 0.0, 0.01]),
+    ] {
+        let found = parse(text, overrides)?.impactor.point;
+        // Tolerance: rounding of the sum of the thicknesses.
+        assert!(found.iter().zip(point).all(|(x, y)| (x - y).abs() < 1e-15), "{overrides:?}: {found:?}");
+    }
+    // The layer that is hit is the one at the face.
+    let from_below = parse(laminate, &["impactor.point=[0.1,0]", "impactor.direction=[0,0,1]"])?;
+    assert_eq!(from_below.body.composition.struck_layer, 2);
+    Ok(())
+}
+
 #[test]
 fn defaults_are_those_of_the_reference() -> Result<()> {
     let scene = parse(SMALL, &[])?;
