@@ -2,10 +2,14 @@
 
 use crate::contact::{ForceLaw, Patch, Reason};
 use crate::description::{Description, Part, Portion};
+use crate::form;
 use crate::impact::{Plan, steps};
+use crate::material::Material;
 use crate::mesh::{Measures, Surface};
 use crate::model;
-use crate::scene::{Contact, Geometry, Impactor, Scene, Scheme, Support, SupportKind, Symmetry, Vec3, Within};
+use crate::scene::{
+    Contact, Geometry, Impactor, Parts, Scene, Scheme, Strength, Support, SupportKind, Symmetry, Vec3, Within,
+};
 
 use super::super::notes::describe_model;
 use super::super::{say, short};
@@ -54,6 +58,12 @@ fn print_scene(report: &Report) {
     if let Some(measures) = measures {
         print_measures(measures);
     }
+    for line in materials(scene) {
+        say(format_args!("material   {line}"));
+    }
+    if let Some(line) = strengths(&scene.strength) {
+        say(format_args!("strength   {line}"));
+    }
     match model {
         Ok(model) => {
             say(format_args!("model      {}", describe_model(model, scene)));
@@ -89,6 +99,53 @@ fn print_scene(report: &Report) {
         let place = place(&traction.surface, traction.within);
         say(format_args!("load       {place}: traction {:?} N/m²", traction.value));
     }
+}
+
+/// Descriptions of the materials: of the whole body, of the layers from the top down, or of the volumes of a mesh.
+fn materials(scene: &Scene) -> Vec<String> {
+    let at = scene.body.temperature.map_or(String::new(), |temperature| format!(" at {temperature} °C"));
+    let words = |material: &Material| {
+        let form::Material { young, poisson, density } = material.instantaneous;
+        match &material.shear {
+            None => format!("E = {}, ν = {}, ρ = {density} kg/m³", pascals(young), rounded(poisson)),
+            Some(shear) => format!(
+                "K = {}, G from {} down to {} (Maxwell chain, terms: {}){at}, ρ = {density} kg/m³",
+                pascals(material.instantaneous.bulk()),
+                pascals(shear.instantaneous()),
+                pascals(shear.equilibrium),
+                shear.terms.len()
+            ),
+        }
+    };
+    match &scene.body.composition.parts {
+        Parts::Whole(material) => vec![words(material)],
+        Parts::Layers(layers) => layers
+            .iter()
+            .map(|layer| format!("{} mm: {}", rounded(1e3 * layer.thickness), words(&layer.material)))
+            .collect(),
+        Parts::Volumes(volumes) => {
+            volumes.iter().map(|(name, material)| format!("{name:?}: {}", words(material))).collect()
+        }
+    }
+}
+
+/// Description of the strengths; `None` if none is given.
+fn strengths(strength: &Strength) -> Option<String> {
+    let of_all = strength.tension.map(pascals);
+    let of_faces = strength.by_face.iter().map(|(face, value)| format!("{} on {face:?}", pascals(*value)));
+    let all: Vec<String> = of_all.into_iter().chain(of_faces).collect();
+    (!all.is_empty()).then(|| all.join(", "))
+}
+
+/// Formats a stress, Pa, in the unit that engineers write.
+fn pascals(value: f64) -> String {
+    let (unit, size) = [("GPa", 1e9), ("MPa", 1e6)].into_iter().find(|(_, size)| value >= *size).unwrap_or(("Pa", 1.0));
+    format!("{} {unit}", rounded(value / size))
+}
+
+/// A number with at most four decimals.
+fn rounded(value: f64) -> f64 {
+    (1e4 * value).round() / 1e4
 }
 
 /// Prints the bounds, the volume and the surfaces of a mesh, so that the user can compare them with the intended
@@ -274,5 +331,21 @@ mod tests {
     fn a_mass_has_few_digits() {
         let shown = [12.5, 16.2e9, 3e-6].map(kilograms);
         assert_eq!(shown, ["12.5000", "1.6200e10", "3.0000e-6"]);
+    }
+
+    /// Wrong units are seen from the materials of layers and from the strengths.
+    #[test]
+    fn materials_and_strengths_are_shown_with_their_units() {
+        let text = "[body]\nsize = [0.5, 0.5]\ntemperature = 30\n[[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n\
+             [[body.layer]]\nthickness = 0.00076\nmaterial = \"soft\"\n\
+             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\n\
+             [material.soft]\ndensity = 1100\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
+             [strength]\ntension = 45e6\nface = { 1-upper = 9e5 }\n\
+             [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e8\nspeed = 1.0\n[time]\nend = 1e-3\n";
+        let scene = Scene::parse("scene", text, &[]).expect("a scene").0;
+        let glass = "10 mm: E = 70 GPa, ν = 0.23, ρ = 2500 kg/m³";
+        let soft = "0.76 mm: K = 2 GPa, G from 41 MPa down to 1 MPa (Maxwell chain, terms: 1) at 30 °C, ρ = 1100 kg/m³";
+        assert_eq!(materials(&scene), [glass, soft]);
+        assert_eq!(strengths(&scene.strength).as_deref(), Some("45 MPa, 900000 Pa on \"1-upper\""));
     }
 }
