@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use crate::impact::{Plan, beside};
-use crate::model::{are_edges_held, largest_linear};
+use crate::model::{Edges, edges, largest_linear};
 use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Scene, Source};
 use crate::study::sweep::Grid;
@@ -25,7 +25,7 @@ pub struct MemberFacts {
     tolerance: f64,
     /// End of the run, s.
     end: f64,
-    are_edges_held: bool,
+    edges: Edges,
     /// Whether the scene gives a strength.
     pub has_strength: bool,
 }
@@ -36,7 +36,7 @@ impl MemberFacts {
         Self {
             tolerance: scene.tolerance,
             end: scene.time.end,
-            are_edges_held: are_edges_held(scene),
+            edges: edges(scene),
             has_strength: scene.strength.is_given(),
         }
     }
@@ -82,7 +82,7 @@ impl Remarks {
     /// member.
     pub fn of_results(writer: &SweepWriter, facts: &[MemberFacts]) -> Self {
         let mut all = Self::default();
-        for (member, MemberFacts { tolerance, end, are_edges_held, .. }) in facts.iter().enumerate() {
+        for (member, MemberFacts { tolerance, end, edges, .. }) in facts.iter().enumerate() {
             if writer.status()[member] != Status::Done {
                 continue;
             }
@@ -110,8 +110,8 @@ impl Remarks {
                 );
                 all.notes.add(member, remark("whole history", whole, text));
             }
-            if deflection > largest_linear(*are_edges_held) {
-                let text = format!("the body bends by about {}", beyond(deflection, *are_edges_held));
+            if deflection > largest_linear(*edges) {
+                let text = format!("the body bends by about {}", beyond(deflection, *edges));
                 all.warnings.add(member, remark("deflection", deflection, text));
             }
             // Times of steps differ from the end by rounding.

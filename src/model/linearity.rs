@@ -25,64 +25,79 @@ pub const STIFFENING: [f64; 2] = [0.15, 1.9];
 pub struct Linearity {
     /// Thickness h, m.
     thickness: f64,
-    /// Rigid-body displacement at the impact point per time integral of the impulse, 1/kg; 0 if supports carry the
-    /// body.
-    mobility: f64,
-    /// Stiffness of all springs together along the impact, N/m, if these are the only supports.
-    springs: Option<f64>,
+    /// Rigid-body displacement at the impact point per time integral of the impulse, 1/kg, for a body that is free or on
+    /// springs alone.
+    mobility: Option<f64>,
+    has_supports: bool,
     mass: f64,
     speed: f64,
     gravity: f64,
-    are_edges_held: bool,
+    edges: Edges,
+}
+
+/// Motion of the edges of a plate in its plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Edges {
+    /// Clamps hold two opposite edges over their whole length, perpendicular to them.
+    Held,
+    /// The plate is free, or held at one edge alone.
+    Movable,
+    /// Springs or parts of edges may hold them.
+    Unknown,
 }
 
 impl Linearity {
     /// For a box that is struck on a face, or a mesh with supports and a patch, by a theory with bending. `None` if the
     /// thickness or the rigid motion is not known. The latter is the case for a free body with loads, and if no support
-    /// resists motion along the impact. `None` also for a plate that is held at one edge alone: it bends to a surface that
-    /// is hardly stretched.
+    /// resists motion along the impact.
     pub fn new(scene: &Scene, theory: Model, patch: Option<&Patch>) -> Option<Self> {
         let impactor = &scene.impactor;
         let is_free = scene.supports.is_empty();
         let is_held = scene.supports.iter().any(|support| holds_along(support, impactor.direction));
+        let is_loaded = scene.load != Load::default();
         let is_a_formula = matches!(theory, Model::HalfSpace | Model::InfinitePlate);
-        let is_unknown = is_free && scene.load != Load::default() || !is_free && !is_held;
-        if is_a_formula || is_unknown || is_held_at_one_edge(scene) {
+        if is_a_formula || is_free && is_loaded || !is_free && !is_held {
             return None;
         }
+        let is_spring = |support: &Support| matches!(support.kind, SupportKind::Elastic { .. });
+        let can_fly = scene.supports.iter().all(is_spring) && !is_loaded;
         let (thickness, mobility) = match (&scene.body.geometry, scene.struck_axis(), patch) {
-            (Geometry::Box { size, .. }, Some(axis), _) => {
-                (size[axis], if is_free { mobility(scene, *size)? } else { 0.0 })
-            }
-            (_, _, Some(patch)) if !is_free => (patch.thickness, 0.0),
+            (Geometry::Box { size, .. }, Some(axis), _) => (size[axis], mobility(scene, *size).filter(|_| can_fly)),
+            (_, _, Some(patch)) if !is_free => (patch.thickness, None),
             _ => return None,
         };
+        if is_free && mobility.is_none() {
+            return None;
+        }
         Some(Self {
             thickness,
             mobility,
-            springs: springs(scene),
+            has_supports: !is_free,
             mass: impactor.mass,
             speed: impactor.speed,
             gravity: impactor.gravity,
-            are_edges_held: are_edges_held(scene),
+            edges: edges(scene),
         })
     }
 
-    /// Bending deflection of the body at the impact point, m: without its rigid motion, free or on its supports.
+    /// Bending deflection of the body at the impact point, m: without its rigid motion, free or on its supports. On
+    /// springs it is the smaller of two estimates: one for springs that are too soft to matter yet, one for a body that
+    /// has come to rest on them.
     pub fn deflection(&self, step: &Step) -> f64 {
-        // The impulse so far equals the momentum lost by the impactor, so its integral is the mass times the lag behind
-        // free flight.
-        let flown = step.time * (self.speed + 0.5 * self.gravity * step.time);
-        let rigid = self.mobility * self.mass * (flown - step.impactor.position);
-        let moved = (step.contact.surface_displacement - rigid).abs();
-        let (body, supports) = (step.energy.elastic, step.energy.support);
-        match self.springs {
-            // The root mean square of the springs' displacement, from their energy, is the motion of the edges.
-            Some(stiffness) => (moved - (2.0 * supports / stiffness).sqrt()).max(0.0),
+        let moved = step.contact.surface_displacement;
+        let as_free = self.mobility.map(|mobility| {
+            // The impulse so far equals the momentum lost by the impactor, so its integral is the mass times the lag
+            // behind free flight.
+            let flown = step.time * (self.speed + 0.5 * self.gravity * step.time);
+            (moved - mobility * self.mass * (flown - step.impactor.position)).abs()
+        });
+        let on_supports = self.has_supports.then(|| {
             // Body and supports are springs in series: their shares of the displacement are their shares of the energy.
-            None if supports > 0.0 => body / (body + supports) * moved,
-            None => moved,
-        }
+            let (body, supports) = (step.energy.elastic, step.energy.support);
+            let part = if supports > 0.0 { body / (body + supports) } else { 1.0 };
+            (part * moved).abs()
+        });
+        as_free.into_iter().chain(on_supports).fold(f64::INFINITY, f64::min)
     }
 
     /// A deflection (m) over the thickness.
@@ -92,37 +107,13 @@ impl Linearity {
 
     /// A deflection (m) over the thickness, if that ratio is large.
     pub fn excess(&self, deflection: f64) -> Option<f64> {
-        Some(self.over_thickness(deflection)).filter(|ratio| *ratio > largest_linear(self.are_edges_held))
+        Some(self.over_thickness(deflection)).filter(|ratio| *ratio > largest_linear(self.edges))
     }
 
-    /// Whether clamps constrain two opposite edges of the plate in its plane, perpendicular to the edges.
-    pub fn are_edges_held(&self) -> bool {
-        self.are_edges_held
+    /// Motion of the edges of the plate in its plane.
+    pub fn edges(&self) -> Edges {
+        self.edges
     }
-}
-
-/// Whether all supports of a plate are on one of its edges.
-fn is_held_at_one_edge(scene: &Scene) -> bool {
-    let Some(struck) = scene.struck_axis() else { return false };
-    let held: Vec<_> = scene.supports.iter().flat_map(|support| faces(&support.surface)).collect();
-    held.first().is_some_and(|first| first.0 != struck && held.iter().all(|face| face == first))
-}
-
-/// Stiffness of all springs together along the impact, N/m, if a box is hit along an axis and its only supports are
-/// springs on whole faces, without prescribed displacements.
-fn springs(scene: &Scene) -> Option<f64> {
-    let Geometry::Box { size, .. } = &scene.body.geometry else { return None };
-    let struck = scene.struck_axis()?;
-    let is_along = scene.impactor.direction[struck].abs() == 1.0;
-    let of_face = |(axis, _): &(usize, bool)| size.iter().product::<f64>() / size[*axis];
-    let of_support = |support: &Support| match support.kind {
-        SupportKind::Elastic { stiffness } if support.within.is_none() && support.displacement == [0.0; 3] => {
-            Some(stiffness[struck] * faces(&support.surface).iter().map(of_face).sum::<f64>())
-        }
-        _ => None,
-    };
-    let sum = scene.supports.iter().map(of_support).sum::<Option<f64>>()?;
-    (is_along && sum > 0.0).then_some(sum)
 }
 
 /// Whether a support resists the motion along the impact in both senses.
@@ -136,21 +127,28 @@ fn holds_along(support: &Support, direction: Vec3) -> bool {
 }
 
 /// Largest deflection over the thickness for which a geometrically linear model serves.
-pub fn largest_linear(are_edges_held: bool) -> f64 {
-    if are_edges_held { LARGE_FOR_HELD_EDGES } else { LARGE }
+pub fn largest_linear(edges: Edges) -> f64 {
+    if edges == Edges::Held { LARGE_FOR_HELD_EDGES } else { LARGE }
 }
 
-/// Whether clamps constrain two opposite edges of a plate over their whole length, in its plane and perpendicular to
-/// the edges.
-pub fn are_edges_held(scene: &Scene) -> bool {
-    let Some(struck) = scene.struck_axis() else { return false };
+/// Motion of the edges of a scene's plate in its plane.
+pub fn edges(scene: &Scene) -> Edges {
+    let Some(struck) = scene.struck_axis() else { return Edges::Unknown };
     let is_held = |face: (usize, bool)| {
         scene.supports.iter().any(|support| {
             let holds = matches!(support.kind, SupportKind::Clamped { components } if components[face.0]);
             holds && support.within.is_none() && faces(&support.surface).contains(&face)
         })
     };
-    (0..3).any(|axis| axis != struck && is_held((axis, false)) && is_held((axis, true)))
+    let mut supported = scene.supports.iter().flat_map(|support| faces(&support.surface));
+    let first = supported.next();
+    if (0..3).any(|axis| axis != struck && is_held((axis, false)) && is_held((axis, true))) {
+        Edges::Held
+    } else if first.is_none_or(|first| first.0 != struck && supported.all(|face| face == first)) {
+        Edges::Movable
+    } else {
+        Edges::Unknown
+    }
 }
 
 /// Mobility of a rigid box, aᵀ(M⁻¹)a = 1/m + (r × d)·I⁻¹(r × d), 1/kg.
@@ -178,18 +176,19 @@ mod tests {
             let scene = Scene::parse("scene", &text, &[]).expect("a scene").0;
             let linearity = Linearity::new(&scene, Model::Mindlin, None).expect("a plate");
             assert!(linearity.excess(0.24 * 0.01).is_none() && linearity.excess(0.51 * 0.01).is_some());
-            assert_eq!(linearity.excess(0.3 * 0.01).is_some(), linearity.are_edges_held());
-            linearity.are_edges_held()
+            assert_eq!(linearity.excess(0.3 * 0.01).is_some(), linearity.edges() == Edges::Held);
+            linearity.edges()
         };
         let clamp = |surface: &str, components: &str| {
             format!("[[support]]\nsurface = \"{surface}\"\nkind = \"clamped\"\n{components}\n")
         };
         let both = |components: &str| clamp("x-min", components) + &clamp("x-max", components);
-        assert!(held(&clamp("side", "")) && held(&both("components = [\"x\", \"z\"]")));
-        assert!(
-            !held(&clamp("side", "components = [\"z\"]"))
-                && !held(&format!("{}{}", clamp("x-min", "components = [\"z\"]"), clamp("y-min", "")))
-        );
-        assert!(!held(&both("components = [\"y\", \"z\"]")));
+        for supports in [clamp("side", ""), both("components = [\"x\", \"z\"]")] {
+            assert_eq!(held(&supports), Edges::Held);
+        }
+        for supports in [clamp("side", "components = [\"z\"]"), both("components = [\"y\", \"z\"]")] {
+            assert_eq!(held(&supports), Edges::Unknown);
+        }
+        assert_eq!(held(&clamp("x-min", "")), Edges::Movable);
     }
 }

@@ -15,11 +15,10 @@ mod theory;
 mod trials;
 pub mod watch;
 
-pub use linearity::{Linearity, STIFFENING, are_edges_held, largest_linear};
+pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
 pub use reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER, Reduced, rate, reduce, reduce_from};
-pub use select_theory::tolerance_beside_theory;
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
