@@ -150,14 +150,15 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         Ok(flow)
     }
 
-    /// Reads the tensions on the faces in the steps. An interruption leaves the steps that have been read. Every rank
-    /// calls this, because the ranks agree on interruptions; one of them has the faces.
+    /// Reads the tensions on the faces in the steps. An interruption leaves the steps that have been read; after an
+    /// interruption of the computation, all computed steps are read. Every rank calls this, because the ranks agree on
+    /// interruptions; one of them has the faces.
     fn read_faces(&self, faces: Option<&FacesOfSteps>, steps: &mut Vec<Observed>, observer: &mut dyn Observer) {
         let Some(readout) = self.readout.as_ref().filter(|readout| readout.faces.is_some()) else { return };
         let mut reading = faces.and_then(|faces| FacesReading::new(faces, readout, steps.len()));
-        let mut read = 0;
+        let (mut read, was_interrupted) = (0, steps.len() > ASK_EVERY && observer.is_interrupted());
         while read < steps.len() {
-            if read > 0 && observer.is_interrupted() {
+            if read > 0 && !was_interrupted && observer.is_interrupted() {
                 steps.truncate(read);
                 break;
             }

@@ -177,7 +177,8 @@ fn a_patch_lowers_the_tension_as_estimated(session: &Session) {
 /// Takes the tensions of all steps, until it is interrupted.
 struct Interrupted {
     tensions: Vec<f64>,
-    has_map: bool,
+    /// Largest value of the last tension map, Pa.
+    largest_of_map: f32,
     /// Number of questions whether to go on, and the number from which the answer is no.
     asked: usize,
     end: usize,
@@ -186,7 +187,7 @@ struct Interrupted {
 impl Observer for Interrupted {
     fn step(&mut self, _: &Step, reading: &Reading) -> ricochet::error::Result<ControlFlow<()>> {
         self.tensions.extend(reading.faces.iter().map(|face| face.largest));
-        self.has_map = !reading.map.tension.is_empty();
+        self.largest_of_map = reading.map.tension.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         Ok(if self.asked >= self.end { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     }
 
@@ -205,13 +206,18 @@ fn an_interruption_leaves_the_steps_that_were_read(session: &Session) {
     scene.time.step = Some(scene.time.end / 3000.0);
     let run = |end: usize| {
         let mut simulation = Simulation::new(&scene, Model::new(&comm, &scene).unwrap()).unwrap();
-        let mut watch = Interrupted { tensions: Vec::new(), has_map: false, asked: 0, end };
+        let mut watch = Interrupted { tensions: Vec::new(), largest_of_map: 0.0, asked: 0, end };
         let flow = simulation.run_watched(&mut watch).unwrap();
         assert_eq!(flow.is_break(), end < usize::MAX);
-        assert!(watch.has_map);
+        // The map is in single precision.
+        let largest = watch.tensions.iter().copied().fold(0.0, f64::max);
+        assert!((f64::from(watch.largest_of_map) / largest - 1.0).abs() < 1e-6, "{largest}");
         watch
     };
     let whole = run(usize::MAX);
+    // The first question is asked after a thousand steps have been computed, which are all kept.
+    let begun = run(1);
+    assert!(begun.tensions.len() > whole.tensions.len() / 4 && begun.tensions.len() < whole.tensions.len() / 2);
     // The last two questions are asked between the three portions of a thousand steps.
     for before_last in [0, 1] {
         let part = run(whole.asked - before_last);
