@@ -13,18 +13,17 @@
 
 use petsc_wrap::Comm;
 
+use super::cells::CELL_SHARE;
 use super::elastic_cells;
 use super::mindlin_error::mindlin_error_over_difference;
-use super::reduce::larger;
-use super::select_theory::{
-    LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher, tolerance_beside_theory,
-};
+use super::reduce::{BASIS_SHARE, larger};
+use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher};
 use super::theory::build_thin;
 use super::watch::Watch;
 use super::{Built, Model, build, reduce, refine, unrefined};
 use crate::description::Description;
 use crate::error::{Error, Result};
-use crate::impact::{Cause, Errors, beside};
+use crate::impact::{Cause, Errors, beside, joined, rest};
 use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
@@ -61,12 +60,13 @@ pub(super) fn layered(
     );
     let (over, share) = (watch.agreed(error / tolerance), THEORY_SHARE * tolerance);
     // Cells and basis get the rest of the tolerance, if the theory leaves any.
-    let left = tolerance_beside_theory(tolerance, over * tolerance, 0.0);
-    let left = Scene { tolerance: left, ..scene.clone() };
+    let mut left =
+        Scene { tolerance: (rest(1.0, over) / joined(CELL_SHARE, BASIS_SHARE)).min(1.0) * tolerance, ..scene.clone() };
     if over > THEORY_SHARE {
         let splines = if scene.is_reduced() { spline::admits(scene) } else { Err("it is not reduced".to_owned()) };
         match splines {
             Err(reason) if over * tolerance <= LARGEST_ERROR_INSTEAD_OF_MESH => {
+                left.tolerance = tolerance;
                 passed.push(format!(
                     "{judged}, above {share:.1e}, the theory's share of the tolerance, but used: splines cannot model its solid ({reason}), and a mesh has no stresses on faces between layers"
                 ));

@@ -51,9 +51,8 @@ const BASIS_SHARE_OF_LONG_WAVES: f64 = LONG_WAVES_MARGIN * BASIS_SHARE;
 /// convergence. Measured on twenty free panes: 0.4 to 1.5. An estimate.
 const LONG_WAVES_MARGIN: f64 = 1.55;
 
-/// Error of such a basis that the difference does not show, over the tolerance. Measured on three free panes that are hit
-/// so briefly that no echo returns: the errors were 0.5 to 1.2 times what the difference shows, at most 0.1 of a tolerance
-/// of 1e-2.
+/// Error of such a basis that the difference does not show, over the tolerance. On three free panes whose contact ends
+/// before the first echo, the errors were at most 0.1 of a tolerance of 1e-2, and up to twice what the difference shows.
 const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 
 /// Number of vectors of a long basis, which is costly to enlarge.

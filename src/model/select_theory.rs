@@ -12,17 +12,15 @@ use petsc_wrap::Comm;
 use crate::contact::{hertz, zener};
 use crate::error::{Error, Result};
 use crate::form::Lame;
-use crate::impact::{Cause, Errors, beside, joined, rest};
+use crate::impact::{Cause, Errors, beside};
 use crate::material::Material;
 use crate::scene::{
     Contact, Geometry, Impactor, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
 };
 use crate::space::spline;
 
-use super::cells::CELL_SHARE;
 use super::layers::layered;
 use super::mindlin_error::mindlin_error_over_difference;
-use super::reduce::BASIS_SHARE;
 use super::watch::Watch;
 use super::{Built, Model, Reduced, admits, build, reduce, refine, unrefined};
 
@@ -85,7 +83,10 @@ pub(super) fn select_theory(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Re
             passed.push("cells or their order are given, which are settings of the solid".to_owned());
         }
         Ok(()) if matches!(scene.contact, Contact::Patch { radius: Some(_), .. }) => {
-            passed.push("contact.patch_radius is given, which is a setting of the solid".to_owned());
+            passed.push(
+                "contact.patch_radius is given, and of all theories only the solid has a force that depends on it"
+                    .to_owned(),
+            );
         }
         Ok(()) if is_layered && scene.body.composition.is_of_one_material() => {
             passed.push(
@@ -146,17 +147,6 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
         "estimated error of a half-space: {error:.1e}, the sum of Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
     Ok(Some((model.with_error(Cause::Theory, Errors::throughout(error)), reason)))
-}
-
-/// Tolerance for which cells and basis are made, so that their errors, that of the theory, and other errors with some
-/// share of the tolerance together meet the scene's. A theory above its share leaves them all of it.
-pub fn tolerance_beside_theory(tolerance: f64, of_theory: f64, other_share: f64) -> f64 {
-    let over = of_theory / tolerance;
-    if over > THEORY_SHARE {
-        return tolerance;
-    }
-    let shares = joined(joined(CELL_SHARE, BASIS_SHARE), other_share);
-    (rest(1.0, over) / shares).min(1.0) * tolerance
 }
 
 /// Whether a box is slender enough for a plate theory.

@@ -242,11 +242,17 @@ fn members_with_controlled_steps() {
 /// was made it is the estimate of its run.
 fn a_member_has_the_estimate_of_its_run() {
     let folder = folder(&pane().replace("[1.0, 1.5, 0.008]", "[0.5, 0.5, 0.02]").replace("end = 1e-3", "end = 5e-3"));
-    good(&folder, 0, "sweep scene.toml --vary body.model=kirchhoff,mindlin -o s.h5");
-    let estimates = members(&file(&folder, "s.h5"), "error_estimate");
-    for (model, estimate) in ["kirchhoff", "mindlin"].into_iter().zip(estimates) {
-        good(&folder, 0, &format!("run scene.toml --set body.model={model} -o {model}.h5"));
-        let facts = good(&folder, 0, &format!("info --json {model}.h5")).stdout;
+    let auto = "auto --set impactor.speed=1";
+    for (models, out) in
+        [("--vary body.model=kirchhoff,mindlin", "named.h5"), ("--vary impactor.speed=1,0.5", "auto.h5")]
+    {
+        good(&folder, 0, &format!("sweep scene.toml {models} -o {out}"));
+    }
+    let [named, of_auto] = ["named.h5", "auto.h5"].map(|name| members(&file(&folder, name), "error_estimate"));
+    // With `auto` the theory is selected for all members, and its error is one of the parts.
+    for (model, estimate) in ["kirchhoff", "mindlin", auto].into_iter().zip([named[0], named[1], of_auto[0]]) {
+        good(&folder, 0, &format!("run scene.toml --set body.model={model} -o run.h5"));
+        let facts = good(&folder, 0, "info --json run.h5").stdout;
         let facts: serde_json::Value = serde_json::from_str(&facts).unwrap();
         let own = facts["error_estimate"].as_f64().unwrap();
         // The error of the time steps, a small part, is computed anew.

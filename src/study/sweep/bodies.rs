@@ -8,7 +8,7 @@ use petsc_wrap::Comm;
 use super::by_body::{BodyOf, ByBody, chains, shared};
 use super::family::{self, Family};
 use super::grouping::{Found, Grouping, Line};
-use super::interpolated::{self, INTERPOLATION_SHARE, Interpolated};
+use super::interpolated::{self, Interpolated};
 use super::member::Computed;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
@@ -16,8 +16,7 @@ use crate::impact::step::Step;
 use crate::impact::{self, Cause, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
 use crate::model::{
-    BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, JudgeBasis, Linearity, Model, are_edges_held, largest_linear,
-    tolerance_beside_theory,
+    BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, JudgeBasis, Linearity, Model, edges, largest_linear,
 };
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
@@ -223,7 +222,7 @@ impl<'a> Bodies<'a> {
     /// of values.
     fn scene_on(&self, line: &[(f64, usize)], value: f64) -> Result<Scene> {
         let at = line.partition_point(|(other, _)| *other < value).min(line.len() - 1);
-        Ok(self.to_make((self.scene_of)(line[at].1)?))
+        Ok(self.named((self.scene_of)(line[at].1)?))
     }
 
     /// The body on the merged basis of all members that differ only in one support or in their relaxation, if they are
@@ -254,15 +253,13 @@ impl<'a> Bodies<'a> {
         let family = self.families.get(&body).and_then(Option::as_ref);
         Ok(family.map(|family| {
             let ([body, larger], of_merging) = family.at(value, &chains(scene));
-            // The test of the merged basis limits its error in the first contact to this.
-            let first_contact = of_merging.min(BASIS_SHARE * scene.tolerance);
             Kept {
                 body,
                 theory,
                 judge: Some((larger, ErrorRule::with_factor(ERROR_FACTOR_OF_SMALLER))),
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
-                of_model: of_theory.joined(Errors { first_contact, history: of_merging, stress: f64::NAN }),
+                of_model: of_theory.joined(Errors { stress: f64::NAN, ..of_merging }),
                 made_for: None,
                 is_interpolated: false,
             }
@@ -280,14 +277,6 @@ impl<'a> Bodies<'a> {
         }
     }
 
-    /// A scene for which a body is made: with the theory that `auto` selected, and with what its error leaves of the
-    /// tolerance.
-    fn to_make(&self, scene: Scene) -> Scene {
-        let of_theory = self.error_of_theory(&scene).of(scene.measure);
-        let tolerance = tolerance_beside_theory(scene.tolerance, of_theory, INTERPOLATION_SHARE);
-        self.named(Scene { tolerance, ..scene })
-    }
-
     /// Estimated errors of the theory that `auto` selected for all members; 0 if the scene names its theory.
     pub fn error_of_theory(&self, scene: &Scene) -> Errors {
         match (scene.body.model, self.theory) {
@@ -297,7 +286,7 @@ impl<'a> Bodies<'a> {
     }
 
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
-        let model = Model::watched(&self.comm, &self.to_make(scene.clone()), watch)?;
+        let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
         Kept::of(scene, model, self.error_of_theory(scene))
     }
 }
@@ -355,7 +344,7 @@ impl Kept {
         });
         // Only the energies tell which part of the deflection is due to the compliance of the supports.
         let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
-        let is_doubtful = yields && deflection > largest_linear(are_edges_held(scene));
+        let is_doubtful = yields && deflection > largest_linear(edges(scene));
         if self.is_interpolated && is_doubtful {
             return Err(Error::Solve(
                 "the compliance of the supports needs energies, which interpolated bodies do not have".into(),
@@ -364,16 +353,17 @@ impl Kept {
         if !has_energies && is_doubtful {
             return self.simulate(scene, true, interrupted);
         }
-        let mut of_basis = Errors::default();
-        if let Some((judge, rule)) = &self.judge {
-            let Some((force, taken)) = impact.force() else { return Ok(None) };
-            let own = with_chains(judge)?;
-            let judge = own.as_ref().unwrap_or(judge);
-            of_basis = rule.errors(force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0));
-        }
-        if let Some((_, errors)) = self.made_for.as_ref().filter(|(of, _)| **of == *scene) {
-            of_basis = of_basis.min(*errors);
-        }
+        let made_for_this = self.made_for.as_ref().filter(|(of, _)| **of == *scene);
+        let of_basis = match (made_for_this, &self.judge) {
+            (Some((_, errors)), _) => *errors,
+            (None, Some((judge, rule))) => {
+                let Some((force, taken)) = impact.force() else { return Ok(None) };
+                let own = with_chains(judge)?;
+                let judge = own.as_ref().unwrap_or(judge);
+                rule.errors(force.difference(&ModalImpact::new(scene, judge).trace(Some(*taken))?.0))
+            }
+            (None, None) => Errors::default(),
+        };
         let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
         let all = of_basis.joined(self.of_model).joined(of_patch);
         let (error_estimate, first_error) = (joined(impact.count.error.unwrap_or(0.0), all.history), all.first_contact);

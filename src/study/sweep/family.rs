@@ -26,9 +26,9 @@ const DEPTH: f64 = 0.03;
 /// A merged basis with its tested errors.
 pub struct Family {
     merged: CommonBasis,
-    /// Pairs (upper end of an interval of values, error over the whole history). The merged basis is tested at the
-    /// middle of the interval; the discretisation error and the errors of the bodies' own bases are added.
-    errors: Vec<(f64, f64)>,
+    /// Pairs (upper end of an interval of values, errors). The merged basis is tested at the middle of the interval; the
+    /// discretisation error and the errors of the bodies' own bases are added.
+    errors: Vec<(f64, Errors)>,
     /// Number of unknowns of the bodies before reduction.
     pub unknowns: usize,
     /// Readout of the stresses on faces.
@@ -40,8 +40,8 @@ struct Sample {
     body: Assembled,
     snapshots: Columns,
     own: Projection,
-    /// Error of its own basis over the whole history.
-    error: f64,
+    /// Errors of its own basis.
+    errors: Errors,
     scene: Scene,
 }
 
@@ -66,12 +66,12 @@ impl Family {
             })
         };
         // All bodies have the finer of the cells of the two end values.
-        let (mut size, mut of_cells) = (1.0_f64, 0.0_f64);
+        let (mut size, mut of_cells) = (1.0_f64, Errors::default());
         for place in [0, last] {
             let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
             let CellSize { size: own, error, .. } = cell_size(comm, &scene, scene.body.model, built, watch)?;
             size = size.min(own);
-            of_cells = of_cells.max(error.history);
+            of_cells = of_cells.max(error);
         }
         let make = |place: usize| -> Result<Sample> {
             let Some((built, scene)) = operators(place, size)? else {
@@ -81,7 +81,7 @@ impl Family {
             let mut reduced = reduce(comm, body.linear(), &scene, watch)?;
             let own = reduced.larger().clone();
             let snapshots = snapshots(reduced.krylov.basis(), &own, rate(&scene));
-            Ok(Sample { body, snapshots, own, error: reduced.error.history, scene })
+            Ok(Sample { body, snapshots, own, errors: reduced.error, scene })
         };
         let mut ends = [make(0)?, make(last)?];
         // The end values of a layer's modulus may lead to different cells, whose basis vectors cannot be merged.
@@ -99,7 +99,7 @@ impl Family {
             let bodies = [(values[0], ends[0].body.linear()), (values[last], ends[1].body.linear())];
             CommonBasis::new(bodies, pool, depth, rate(&ends[0].scene))
         };
-        let mut of_basis = ends[0].error.max(ends[1].error);
+        let mut of_basis = ends[0].errors.max(ends[1].errors);
         let mut merged = merge(&pool)?;
         // The local contact constants are those of the first end. If they are not accurate enough for the last end,
         // each member gets its own body.
@@ -110,7 +110,7 @@ impl Family {
         let (mut open, mut errors, mut made) = (vec![(0, last)], Vec::new(), 2);
         while let Some((from, to)) = open.pop() {
             if to - from < 2 {
-                errors.push((values[to], 0.0));
+                errors.push((values[to], Errors::default()));
                 continue;
             }
             if made == MAX_BODIES.min(values.len() / VALUES_PER_BODY) {
@@ -124,20 +124,24 @@ impl Family {
             let tolerance = BASIS_SHARE * sample.scene.tolerance;
             let found = off(&merged, values[middle], &sample)?;
             let (first, all) = (found.of(sample.scene.measure), found.history);
-            of_basis = of_basis.max(sample.error);
+            of_basis = of_basis.max(sample.errors);
             tracing::info!(value = values[middle], first, all, "merged basis tested");
             pool = merged.directions;
             pool.append(sample.snapshots);
             made += 1;
             merged = merge(&pool)?;
             if first <= tolerance {
-                errors.push((values[to], all));
+                errors.push((values[to], found));
             } else {
                 open.extend([(from, middle), (middle, to)]);
             }
         }
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
-        errors.iter_mut().for_each(|(_, error)| *error += of_cells + of_basis);
+        for (_, error) in &mut errors {
+            // Errors of later contacts may add up.
+            let history = (*error + of_cells + of_basis).history;
+            *error = Errors { history, ..error.joined(of_cells).joined(of_basis) };
+        }
         let basis = merged.basis();
         let readout = match operators(0, size)? {
             Some((Operators { evaluator, .. }, scene)) if scene.output.is_read() && !basis.is_empty() => {
@@ -148,10 +152,10 @@ impl Family {
         Ok(Some(Self { merged, errors, unknowns, readout }))
     }
 
-    /// The body at a value with the given chains, on the basis and on the larger one, with the error of the interval
+    /// The body at a value with the given chains, on the basis and on the larger one, with the errors of the interval
     /// that contains the value.
-    pub fn at(&self, value: f64, chains: &[Maxwell]) -> ([ModalBody; 2], f64) {
-        let near = self.errors.iter().find(|(to, _)| value <= *to).map_or(0.0, |(_, error)| *error);
+    pub fn at(&self, value: f64, chains: &[Maxwell]) -> ([ModalBody; 2], Errors) {
+        let near = self.errors.iter().find(|(to, _)| value <= *to).map_or(Errors::default(), |(_, error)| *error);
         (self.merged.at(value).map(|body| ModalBody::of(&body.with_chains(chains))), near)
     }
 }

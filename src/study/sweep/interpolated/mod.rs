@@ -33,7 +33,7 @@ const FIRST_INTERVALS: usize = 4;
 const MAX_BODIES: usize = 65;
 
 /// Share of the tolerance for the interpolation error.
-pub(super) const INTERPOLATION_SHARE: f64 = 0.3;
+const INTERPOLATION_SHARE: f64 = 0.3;
 
 /// Smallest assumed ratio of the error of cubic interpolation to the error with intervals twice as long. For short
 /// intervals it is 1/16. Where a term of the chain starts or ceases to be followed, bodies change at once and errors
