@@ -1,6 +1,6 @@
 //! Warnings and notes about a scene, to be read before its results are trusted.
 
-use crate::contact::{ForceLaw, Patch};
+use crate::contact::{ForceLaw, Patch, Reason};
 use crate::impact::{ErrorEstimate, Plan, beside, estimated};
 use crate::mesh::Measures;
 use crate::model::{self, Model};
@@ -234,18 +234,32 @@ pub fn why_unestimated(scene: &Scene, largest: &LargestTension) -> String {
     }
 }
 
-/// Warning for a box whose tensions under the hit are those of a force at one point, because the scene does not give
-/// the size of the contact.
+/// Warning for a box whose tensions under the hit are those of a point force, because the scene does not give the size of
+/// the contact.
 fn tension_of_point_force(scene: &Scene) -> Option<String> {
     let is_box = matches!(scene.body.geometry, Geometry::Box { .. });
+    let has_faces = !matches!(scene.body.model, Theory::HalfSpace | Theory::InfinitePlate);
     let has_radius = scene.impactor.radius.is_some() || matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
     let is_spread = matches!(scene.contact, Contact::Patch { .. });
-    (is_box && scene.output.stress && is_spread && !has_radius).then(|| {
-        "the impactor has no radius, so tensions under it are those of a force at one point: too large for a soft or wide impactor, whose contact is \
-         not small against the thickness, and this is not in their estimated error; give impactor.radius, or the radius of the contact as \
-         contact.patch_radius"
+    (is_box && has_faces && scene.output.stress && is_spread && !has_radius).then(|| {
+        "the impactor has no radius: tensions under it are computed for a point force. For a soft or wide impactor they are too large, and the \
+         estimated error does not include this; give impactor.radius"
             .to_owned()
     })
+}
+
+/// Advice for a smaller patch; empty if nothing makes it smaller.
+fn smaller_patch(scene: &Scene, patch: &Patch) -> &'static str {
+    match (patch.reason, &scene.body.geometry) {
+        (Reason::Cells, Geometry::Box { .. }) => {
+            "; smaller cells at the impact point give a smaller patch: body.grading makes them"
+        }
+        (Reason::Cells, Geometry::Gmsh(_)) => {
+            "; smaller cells at the impact point give a smaller patch: make the mesh finer there"
+        }
+        (Reason::Scene, _) => "; a smaller contact.patch_radius lowers it",
+        (Reason::Thickness | Reason::Contact | Reason::Surface, _) => "",
+    }
 }
 
 /// Warnings about the geometry of a body, its supports, the size of the contact, or the table of the contact law.
@@ -335,10 +349,10 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
         }
         if patch.error() > 0.5 * scene.tolerance {
             let text = format!(
-                "the patch is large for a thickness of {:.4} m, which may change the force by about {:.1e} of its peak: smaller cells at the \
-                 impact point give a smaller patch; {finer}",
+                "the patch is large for a thickness of {:.4} m, which may change the force by about {:.1e} of its peak{}",
                 patch.thickness,
-                patch.error()
+                patch.error(),
+                smaller_patch(scene, patch)
             );
             add("large patch", patch.error(), text);
         }
@@ -346,10 +360,10 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
         if scene.output.stress && matches!(scene.body.geometry, Geometry::Gmsh(_)) && lost > LOST_TENSION {
             let per_newton = lost / patch.thickness.powi(2);
             let text = format!(
-                "tensions under the hit are those of a force spread over the patch of radius {:.4} m: on the face opposite the hit, those of a small contact \
-                 are larger by up to {per_newton:.1e} Pa for each newton of force, which is not in their error; smaller cells at the impact point give a \
-                 smaller patch; {finer}",
-                patch.radius
+                "the tension under the hit is computed for a force spread over a patch of radius {:.4} m. On the opposite face, a small contact causes \
+                 up to {per_newton:.1e} Pa per newton more; the estimated error does not include this{}",
+                patch.radius,
+                smaller_patch(scene, patch)
             );
             add("tension of patch", lost, text);
         }
@@ -413,15 +427,15 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
         add("temperature", beyond, text);
     }
     if scene.contact == Contact::Point && scene.body.model != Theory::Kirchhoff {
-        let text = "a solid gives way under a force at one point without limit as cells get smaller: forces and stresses of contact.localization = \"point\" \
-                    depend on the cells, and this is not in their error; \"patch\" has no such limit"
+        let text = "under a point force the displacement of a solid grows without limit as cells get smaller, so that force and stresses depend on the \
+                    cells, and the estimated error does not include this; contact.localization = \"patch\" avoids it"
             .to_owned();
         add("point force", 1.0, text);
     }
     if matches!(scene.body.model, Theory::HalfSpace | Theory::InfinitePlate) && !scene.supports.is_empty() {
         let name = model::name(scene.body.model);
         let text = format!(
-            "supports have no effect with model = \"{name}\", whose body has no edges: its force is without the waves that return from them"
+            "model \"{name}\" has no edges: supports have no effect, and the force lacks the waves that edges reflect"
         );
         add("unused supports", 1.0, text);
     }

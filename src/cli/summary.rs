@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::impact::checkpoint::Visitor;
 use crate::impact::estimated;
 use crate::impact::step::Step;
-use crate::model::{Linearity, STIFFENING};
+use crate::model::{Edges, Linearity, STIFFENING};
 use crate::record::episodes::Episodes;
 use crate::record::extremes::{Extreme, Extremes, ProbeExtremes};
 use crate::record::provenance::Cost;
@@ -131,8 +131,8 @@ impl Summary {
     /// Warning that the deflection is too large for the model, if it is.
     pub fn warning(&self) -> Option<String> {
         let ratio = self.linearity?.excess(self.largest_deflection)?;
-        let held = self.linearity?.are_edges_held();
-        Some(format!("the body bends by about {} mm, {}", short(1e3 * self.largest_deflection), beyond(ratio, held)))
+        let edges = self.linearity?.edges();
+        Some(format!("the body bends by about {} mm, {}", short(1e3 * self.largest_deflection), beyond(ratio, edges)))
     }
 }
 
@@ -144,14 +144,17 @@ pub fn ends_at_peak(end: f64) -> String {
     )
 }
 
-/// Consequences of a deflection (`ratio` in plate thicknesses), for a plate whose edges are constrained in its plane,
-/// or for any plate.
-pub fn beyond(ratio: f64, are_edges_held: bool) -> String {
+/// Consequences of a deflection (`ratio` in plate thicknesses).
+pub fn beyond(ratio: f64, edges: Edges) -> String {
     let [least, most] = STIFFENING.map(|factor| 100.0 * factor * ratio * ratio);
-    let by = if are_edges_held {
-        format!("by up to {most:.0}%, since its edges cannot move in the plane")
-    } else {
-        format!("by about {least:.0}% where its edges can move in the plane and by up to {most:.0}% where they cannot")
+    let by = match edges {
+        Edges::Held => format!("by up to {most:.0}%, since its edges cannot move in the plane"),
+        Edges::Movable => format!("by about {least:.0}%, or less where it bends in one direction alone"),
+        Edges::Unknown => {
+            format!(
+                "by about {least:.0}% where its edges can move in the plane and by up to {most:.0}% where they cannot"
+            )
+        }
     };
     format!(
         "{} times the thickness, and the model is geometrically linear: it neglects membrane forces, which make the plate stiffer {by}; \
@@ -196,10 +199,13 @@ pub fn lines(
             error => format!(", estimated error {}", estimated(error)),
         };
         if !largest.strength_passed_at.is_nan() {
-            line += &format!(
-                "; the strength of face {strength_passed_face:?} is first exceeded at {} ms",
-                short(1e3 * largest.strength_passed_at)
-            );
+            // Older results do not have the name of the face.
+            let of_face = match strength_passed_face.as_str() {
+                "" => String::new(),
+                face => format!(" of face {face:?}"),
+            };
+            line +=
+                &format!("; the strength{of_face} is first exceeded at {} ms", short(1e3 * largest.strength_passed_at));
         }
         lines.push(line);
     }

@@ -149,7 +149,7 @@ fn property_of(key: &str) -> Option<Property> {
 /// A member with its checked scene.
 fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
     // The file of a sweep has no fields, and probes only in series. Without them a probe may lie outside of a member, as
-    // outside of a thinner plate.
+    // for example outside a thinner plate.
     let are_probes_varied = grid.keys().iter().any(|key| key.path.starts_with("output.probes"));
     let without_probes = (!arguments.series && !are_probes_varied).then(|| "output.probes=[]".to_owned());
     let values: Vec<String> = without_probes.into_iter().chain(grid.values(index)).collect();

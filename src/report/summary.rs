@@ -60,7 +60,11 @@ fn strength(data: &Data) -> Option<Verdict> {
     );
     if part >= 1.0 || stresses.strength_passed.is_some() {
         let when = stresses.strength_passed.as_ref().map_or(String::new(), |Passed { time, face }| {
-            let on = if *face == used.largest.face { String::new() } else { format!(" of the {}", face_name(face)) };
+            let on = if face.is_empty() || *face == used.largest.face {
+                String::new()
+            } else {
+                format!(" of the {}", face_name(face))
+            };
             format!("; the strength{on} is first exceeded at {}", computed(*time, TIME))
         });
         return Some(verdict(Grade::Bad, "Strength exceeded", format!("{what}{when}.")));

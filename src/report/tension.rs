@@ -145,7 +145,9 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
     let strength = match (!data.strength.is_given(), &stresses.strength_passed) {
         (true, _) => "The scene gives no strength.".to_owned(),
         (false, Some(Passed { time, face })) => {
-            format!("The strength of the {} was first exceeded at {}.", face_name(face), computed(*time, TIME))
+            // Older results do not have the name of the face.
+            let of_face = if face.is_empty() { String::new() } else { format!(" of the {}", face_name(face)) };
+            format!("The strength{of_face} was first exceeded at {}.", computed(*time, TIME))
         }
         (false, None) => "The strength was not exceeded.".to_owned(),
     };

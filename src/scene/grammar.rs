@@ -6,7 +6,7 @@ pub(super) fn hint(line: &str, message: &str) -> &'static str {
     let value = line.split_once('=').map(|(_, value)| value.trim());
     let is_number = |text: &str| text.trim_start_matches(['-', '+']).starts_with(|c: char| c.is_ascii_digit());
     match value {
-        Some(_) if message.contains("duplicate") => "a key stands once in its table: take one of the two out",
+        Some(_) if message.contains("duplicate") => "a key may appear only once in a table: remove one",
         Some(value) if is_number(value) && value.contains(',') => {
             "a decimal has a point, as 0.23; several numbers stand in brackets, as [0.2, 0.2, 0.01]"
         }

@@ -193,9 +193,7 @@ fn print_contact(scene: &Scene, patch: Option<&Patch>) {
     ));
     let Some(patch) = patch else {
         if scene.contact == Contact::Point {
-            say(format_args!(
-                "           at a point: the force depends on the mesh, and has no limit as it is refined"
-            ));
+            say(format_args!("           at a point"));
         }
         return;
     };
@@ -336,7 +334,7 @@ mod tests {
     /// Wrong units are seen from the materials of layers and from the strengths.
     #[test]
     fn materials_and_strengths_are_shown_with_their_units() {
-        let text = "[body]\nsize = [0.5, 0.5]\ntemperature = 30\n[[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n\
+        let text = "[body]\nsize = [0.5, 0.5]\n[[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n\
              [[body.layer]]\nthickness = 0.00076\nmaterial = \"soft\"\n\
              [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\n\
              [material.soft]\ndensity = 1100\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
@@ -344,7 +342,7 @@ mod tests {
              [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e8\nspeed = 1.0\n[time]\nend = 1e-3\n";
         let scene = Scene::parse("scene", text, &[]).expect("a scene").0;
         let glass = "10 mm: E = 70 GPa, ν = 0.23, ρ = 2500 kg/m³";
-        let soft = "0.76 mm: K = 2 GPa, G from 41 MPa down to 1 MPa (Maxwell chain, terms: 1) at 30 °C, ρ = 1100 kg/m³";
+        let soft = "0.76 mm: K = 2 GPa, G from 41 MPa down to 1 MPa (Maxwell chain, terms: 1), ρ = 1100 kg/m³";
         assert_eq!(materials(&scene), [glass, soft]);
         assert_eq!(strengths(&scene.strength).as_deref(), Some("45 MPa, 900000 Pa on \"1-upper\""));
     }

@@ -7,8 +7,11 @@ use petsc_wrap::Session;
 
 /// On one rank: the computation is the same on all ranks.
 pub const RANKS: &[usize] = &[1];
-pub const TESTS: &[Test<Session>] =
-    tests![estimates_are_above_the_errors_of_cells_basis_and_steps, half_the_disc_changes_less_than_is_estimated,];
+pub const TESTS: &[Test<Session>] = tests![
+    estimates_are_above_the_errors_of_cells_basis_and_steps,
+    a_contact_without_echoes_is_within_its_estimate,
+    half_the_disc_changes_less_than_is_estimated,
+];
 
 /// An impact in the centre of a square plate, which ends shortly before the end of its first contact.
 struct Case {
@@ -93,6 +96,23 @@ fn estimates_are_above_the_errors_of_cells_basis_and_steps(session: &Session) {
             assert!(ran.error <= 6.0 * error.max(1e-3), "{number} {model}: {:e} for {error:e}", ran.error);
         }
     }
+}
+
+/// The contact with a free pane is over before the first echo, and its short waves are treated separately: a part of the
+/// error is not shown by a smaller basis. Without that part the estimate is 3.0e-4, and the error 3.5e-4.
+fn a_contact_without_echoes_is_within_its_estimate(session: &Session) {
+    let comm = session.world();
+    let case = Case {
+        body: "young = 70e9\npoisson = 0.23\ndensity = 2500\nsize = [0.8, 0.6, 0.006]",
+        support: "",
+        impactor: "mass = 0.05\nradius = 0.0115\nspeed = 2.0",
+        end: 1.74e-4,
+    };
+    let [ran, reference] = [1e-2, 1e-3].map(|tolerance| run(&comm, &text(&case, "mindlin", tolerance)));
+    let error = difference(&ran, &reference);
+    println!("  error {error:.1e}, estimate {:.1e}", ran.error);
+    // A part of the error is the reference's, whose estimate is 2e-4.
+    assert!(error <= ran.error && ran.error <= 6.0 * error, "{:e} for {error:e}", ran.error);
 }
 
 /// A plate whose force acts on a disc with a radius of one thickness instead of two: the time history differs by no
