@@ -426,7 +426,8 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     if let Some((beyond, text)) = scene.body.temperature.and_then(|temperature| extrapolated(scene, temperature)) {
         add("temperature", beyond, text);
     }
-    if scene.contact == Contact::Point && scene.body.model != Theory::Kirchhoff {
+    // Bodies that are not reduced have no estimated error of the force.
+    if scene.contact == Contact::Point && scene.is_reduced() && scene.body.model != Theory::Kirchhoff {
         let text = "under a point force the displacement of a solid grows without limit as cells get smaller, so that force and stresses depend on the \
                     cells, and the estimated error does not include this; contact.localization = \"patch\" avoids it"
             .to_owned();
@@ -610,6 +611,8 @@ mod tests {
         assert_eq!(noted(&[patch, "body.model=mindlin", "output.stress=false"]), ["unused key"]);
         assert_eq!(noted(&["body.model=infinite-plate"]), ["unused supports"]);
         assert_eq!(noted(&["contact.localization=point"]), ["point force"]);
-        assert!(noted(&["contact.localization=point", "body.model=kirchhoff"]).is_empty());
+        for other in ["body.model=kirchhoff", "time.scheme=newmark"] {
+            assert!(noted(&["contact.localization=point", other]).is_empty(), "{other}");
+        }
     }
 }

@@ -90,7 +90,7 @@ fn grammar() -> Vec<BadScene> {
         edit("a colon", GOOD, ("mass = 52.0", "mass: 52.0"), &["not valid TOML", "not `:`"], ("mass", "mass")),
         edit("an array left open", GOOD, ("[1.5, 1.5, 0.1]", "[1.5, 1.5, 0.1"), &["not valid TOML", "in the line above"], ("cells", "cells")),
         edit("header left open", GOOD, ("[time]", "[time"), &["not valid TOML"], ("time", "[time")),
-        edit("key twice", GOOD, ("order = 2", "order = 2\norder = 1"), &["not valid TOML", "duplicate", "a key stands once in its table"], ("order", "order = 1")),
+        edit("key twice", GOOD, ("order = 2", "order = 2\norder = 1"), &["not valid TOML", "duplicate", "a key may appear only once in a table"], ("order", "order = 1")),
         edit("text left open", GOOD, ("\"Plate\"", "\"Plate"), &["not valid TOML"], ("title", "title")),
         edit("no body", SMALL, ("[body]", "[load]"), &["unknown key", "known here"], ("load.young", "young = 70e9")),
         edit("unknown table", GOOD, ("[solver]", "[slover]"), &["unknown key", "did you mean `solver`?"], ("slover", "[slover]")),
