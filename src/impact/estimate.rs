@@ -178,7 +178,7 @@ pub fn beside(number: f64, limit: f64) -> String {
 /// Error below which an estimate is only rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Formats an estimated error with two digits. Below [`ROUNDING`], only that limit is printed.
+/// Formats an estimated error with two digits. If it is only rounding (below 1e-9), only that limit is printed.
 pub fn estimated(error: f64) -> String {
     if error < ROUNDING { format!("below {ROUNDING:e}") } else { format!("{error:.1e}") }
 }
