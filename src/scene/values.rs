@@ -197,49 +197,37 @@ impl<'de> Visitor<'de> for FileOrTermsVisitor {
 
 impl<'de> Deserialize<'de> for Edges {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(EdgesVisitor)
-    }
-}
-
-struct EdgesVisitor;
-
-impl<'de> Visitor<'de> for EdgesVisitor {
-    type Value = Edges;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("three numbers [x, y, z], or two of a box with layers")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<Edges, A::Error> {
-        let numbers: Vec<f64> = all::<_, Number>(entries)?.into_iter().map(|number| number.0).collect();
-        match numbers[..] {
-            [x, y, z] => Ok(Edges::All([x, y, z])),
-            [x, y] => Ok(Edges::AlongLayers([x, y])),
-            _ => Err(de::Error::invalid_length(numbers.len(), &self)),
-        }
+        let expecting = "three numbers [x, y, z], or two of a box with layers";
+        deserializer.deserialize_any(TwoOrThree { expecting, two: Edges::AlongLayers, three: Edges::All })
     }
 }
 
 impl<'de> Deserialize<'de> for SurfacePoint {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(SurfacePointVisitor)
+        let expecting = "three numbers [x, y, z], or two along the face of a box that is hit";
+        deserializer.deserialize_any(TwoOrThree { expecting, two: SurfacePoint::AlongFace, three: SurfacePoint::All })
     }
 }
 
-struct SurfacePointVisitor;
+/// Reads a value from two or three numbers.
+struct TwoOrThree<T> {
+    expecting: &'static str,
+    two: fn([f64; 2]) -> T,
+    three: fn([f64; 3]) -> T,
+}
 
-impl<'de> Visitor<'de> for SurfacePointVisitor {
-    type Value = SurfacePoint;
+impl<'de, T> Visitor<'de> for TwoOrThree<T> {
+    type Value = T;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("three numbers [x, y, z], or two along the face of a box that is hit")
+        f.write_str(self.expecting)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<SurfacePoint, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<T, A::Error> {
         let numbers: Vec<f64> = all::<_, Number>(entries)?.into_iter().map(|number| number.0).collect();
         match numbers[..] {
-            [x, y, z] => Ok(SurfacePoint::All([x, y, z])),
-            [first, second] => Ok(SurfacePoint::AlongFace([first, second])),
+            [x, y, z] => Ok((self.three)([x, y, z])),
+            [x, y] => Ok((self.two)([x, y])),
             _ => Err(de::Error::invalid_length(numbers.len(), &self)),
         }
     }
@@ -330,6 +318,11 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ListVisitor<T> {
     }
 }
 
+/// Schema of two or three numbers.
+fn two_or_three() -> Schema {
+    json_schema!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3 })
+}
+
 /// Implements inline schemas for the types of values.
 macro_rules! inline_schema {
     ($(@$t:ident)? $type:ty, $generator:ident => $schema:expr) => {
@@ -362,12 +355,8 @@ inline_schema!(FileOrTerms, generator => {
     let term = generator.subschema_for::<Term>();
     json_schema!({ "anyOf": [{ "type": "string" }, { "type": "array", "items": term }] })
 });
-inline_schema!(Edges, _generator => json_schema!({
-    "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3
-}));
-inline_schema!(SurfacePoint, _generator => json_schema!({
-    "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3
-}));
+inline_schema!(Edges, _generator => two_or_three());
+inline_schema!(SurfacePoint, _generator => two_or_three());
 inline_schema!(@T Three<T>, generator => {
     json_schema!({ "type": "array", "items": generator.subschema_for::<T>(), "minItems": 3, "maxItems": 3 })
 });

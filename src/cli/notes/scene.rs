@@ -1,165 +1,19 @@
-//! Warnings and notes about a scene, to be read before its results are trusted.
+//! Remarks on a scene: values that are probably a mistake, geometry, contact, time steps, and keys without effect.
 
 use crate::contact::{ForceLaw, Patch, Reason};
-use crate::impact::{ErrorEstimate, Plan, beside, estimated};
+use crate::impact::Plan;
 use crate::mesh::Measures;
-use crate::model::{self, Model};
-use crate::record::stress::LargestTension;
-use crate::scene::{
-    Contact, Doubt, Geometry, Measure, Model as Theory, Reduction, Scene, Scheme, Source, doubts, face_names, one_digit,
-};
+use crate::model;
+use crate::scene::{Contact, Doubt, Geometry, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit};
 use crate::scheme::critical_frequency;
-use crate::space::spline;
 
-/// A warning or note about a scene or its result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Remark {
-    /// Kind of the remark. Remarks of the same kind on the members of a sweep are combined.
-    pub kind: String,
-    /// Severity among remarks of the same kind.
-    pub size: f64,
-    /// Text of the remark.
-    pub text: String,
-}
-
-impl Remark {
-    fn new(kind: &str, size: f64, text: String) -> Self {
-        Self { kind: kind.to_owned(), size, text }
-    }
-}
-
-/// Texts of remarks.
-pub fn texts(remarks: Vec<Remark>) -> Vec<String> {
-    remarks.into_iter().map(|remark| remark.text).collect()
-}
+use super::Remark;
 
 /// Remarks on values that are probably a mistake.
 pub fn of_values(scene: &Scene, source: &Source) -> Vec<Remark> {
     let remark =
         |Doubt { error, excess }: Doubt| Remark::new(error.key(), excess, format!("{error}; {}", error.advice()));
     doubts(scene, source).into_iter().map(remark).collect()
-}
-
-/// Description of the theory, its unknowns and its basis, with the estimated error of the quantity to which the
-/// tolerance applies.
-pub fn describe_model(model: &Model, scene: &Scene) -> String {
-    let mut words = format!("{}: {}", model::name(model.theory), model.discretisation);
-    if model.unknowns > 0 {
-        words += &format!(", {} unknowns", model.unknowns);
-    }
-    if let Some(vectors) = model.vectors {
-        words += &format!(", reduced to {vectors} vectors");
-    }
-    if let Some(errors) = model.error.total() {
-        let causes = listed(&model.error.causes());
-        // If the error of stresses is not estimated, the tolerance applies to the acceleration, as a note says.
-        let of_what = match scene.measure {
-            Measure::Stress if !errors.stress.is_nan() => format!("{} by {causes}", scene.of_measure()),
-            _ => format!(" of {causes}"),
-        };
-        let error = errors.of(scene.measure);
-        words += &format!("; estimated error{of_what} {} of the peak in the first contact", estimated(error));
-    }
-    words
-}
-
-/// Error in the first contact over the peak, above which a time history is of no use.
-pub const USELESS: f64 = 0.5;
-
-/// Warning for a run whose estimated error in the first contact is above the tolerance; `None` if it is not.
-pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
-    let tolerance = scene.tolerance;
-    // False for NaN, which is not a usable estimate.
-    let is_good = |error: &f64| *error <= tolerance;
-    let estimate = model.error_before_steps();
-    let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
-    let of_what = scene.of_measure();
-    let causes = estimate.causes();
-    let of = listed(&causes);
-    let message = format!(
-        "the estimated error{of_what} in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
-         what may lower it: {}",
-        beside(error, tolerance),
-        remedies(&estimate.main_causes(scene.measure), scene)
-    );
-    Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
-}
-
-/// Note that the tolerance applies to the acceleration, if the error of stresses is not estimated.
-pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
-    let has_none = model.error.total().is_none_or(|errors| errors.stress.is_nan());
-    (scene.measure == Measure::Stress && has_none).then(|| {
-        "the error of stresses is not estimated for this body: accuracy.tolerance is for the acceleration here (plates and splines in modal \
-         coordinates, hit at least a thickness from an edge, have an estimate)"
-            .to_owned()
-    })
-}
-
-/// Notes on errors above the tolerance, including the errors of the time steps. The error before the steps has its own
-/// [`verdict`]: `was_warned` says whether it was already above the tolerance. If the `largest` tension has no estimate,
-/// for example at a clamped edge, the estimate is for the tension under the impact point.
-pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest: &LargestTension) -> Vec<String> {
-    let Some(errors) = estimate.total() else { return Vec::new() };
-    let (measure, tolerance) = (scene.measure, scene.tolerance);
-    let mut missed = Vec::new();
-    let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().is_nan();
-    let remedies_of_stress = || remedies(&estimate.main_causes(measure), scene);
-    if measure == Measure::Stress && is_for_another_place {
-        let (error, help) = if errors.stress > tolerance {
-            (beside(errors.stress, tolerance), format!("; what may lower it: {}", remedies_of_stress()))
-        } else {
-            (estimated(errors.stress), String::new())
-        };
-        missed.push(format!(
-            "accuracy.tolerance = {tolerance:e} is for the tension under the impact point, whose estimated error in the first contact is {error}; \
-             the error of the largest tension is not estimated{help}"
-        ));
-    } else if measure == Measure::Stress && !was_warned && errors.stress > tolerance {
-        missed.push(format!(
-            "the estimated error of the largest tension in the first contact is {} with that of the steps, above accuracy.tolerance = {tolerance:e}; \
-             what may lower it: {}",
-            beside(errors.stress, tolerance),
-            remedies_of_stress()
-        ));
-    }
-    if errors.history > tolerance {
-        let error = beside(errors.history, tolerance);
-        let (of_what, scope) = match measure {
-            Measure::Acceleration => ("", ", which is for the first contact"),
-            Measure::Stress => (" of the acceleration", "; stresses are estimated in the first contact alone"),
-        };
-        let step = match scene.time.step {
-            Some(_) => "; the error of the given time.step is not included",
-            None => "",
-        };
-        missed.push(format!(
-            "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}{scope}: later times are \
-             more sensitive; what may lower it: {}{step}",
-            remedies(&estimate.main_causes_of_history(), scene)
-        ));
-    }
-    missed
-}
-
-/// Hints how to reduce the errors of causes.
-fn remedies(causes: &[&str], scene: &Scene) -> String {
-    let mut remedies: Vec<&str> = causes.iter().map(|cause| remedy(cause, scene)).collect();
-    remedies.sort_unstable();
-    remedies.dedup();
-    remedies.join(", or ")
-}
-
-/// Hint how to reduce the error caused by a part of a model.
-fn remedy(part: &str, scene: &Scene) -> &'static str {
-    match part {
-        "basis" if matches!(scene.body.reduction, Reduction::Vectors(_)) => {
-            "body.reduction = \"auto\" in place of a number"
-        }
-        "patch" => "finer cells at the impact point",
-        "theory" if scene.body.model != Theory::Solid && spline::admits(scene).is_ok() => "body.model = \"solid\"",
-        "theory" if scene.body.model != Theory::Solid => "body.model = \"solid\" with body.cells that are fine enough",
-        _ => "a smaller accuracy.tolerance",
-    }
 }
 
 /// Warning for a body of layers whose stresses are read on its outer faces only, although the largest tension may be on
@@ -177,22 +31,6 @@ pub fn missing_faces(scene: &Scene, faces: &[String]) -> Option<Remark> {
     })
 }
 
-/// Warning that the error of a time history is above the tolerance.
-pub struct Verdict {
-    /// Text of the warning.
-    pub message: String,
-    /// Whether the error is so large that the history is of no use.
-    pub is_useless: bool,
-}
-
-/// Joins words to a list: "a, b and c".
-pub fn listed(words: &[&str]) -> String {
-    match words.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => words.concat(),
-    }
-}
-
 /// Tension lost under a patch, times h²/F, from which there is a note. The whole tension there is about 2 F/h² in panes.
 const LOST_TENSION: f64 = 0.1;
 
@@ -205,6 +43,7 @@ const NEAR_RANGE: f64 = 10.0;
 
 /// Diagonal of a body above which its lengths look like millimetres, m; the next limit must be exceeded too.
 const LONG_DIAGONAL: f64 = 20.0;
+
 /// Diagonal of a body over the radius of the impactor above which its lengths look like millimetres.
 const LONG_FOR_RADIUS: f64 = 200.0;
 
@@ -214,24 +53,6 @@ pub fn near_clamped_edge(distance: f64) -> String {
         "the hit is {distance:.2} thicknesses from a clamped edge, and the tension at that edge may be the largest: a plate's tension there is as \
          little as half of a solid's, which grows as cells get smaller; the error of the largest tension is therefore not estimated"
     )
-}
-
-/// Reason for which the error of the largest tension of a run is not estimated.
-pub fn why_unestimated(scene: &Scene, largest: &LargestTension) -> String {
-    let thickness = match (&scene.body.geometry, scene.struck_axis()) {
-        (Geometry::Box { size, .. }, Some(struck)) => size[struck],
-        _ => 0.0,
-    };
-    if scene.is_at_clamped_edge(largest.point) {
-        "it is at a clamped edge, where the tension of a solid grows as cells get smaller".to_owned()
-    } else if let Some(distance) = scene.hit_near_clamped_edge() {
-        format!("the hit is {distance:.2} thicknesses from a clamped edge, where a tension may be larger")
-    } else if scene.distance_to_edge().is_some_and(|distance| distance < thickness) {
-        "the hit is less than a thickness from an edge, and the local stresses under the contact are not added there"
-            .to_owned()
-    } else {
-        "only plates and spline solids in modal coordinates have one".to_owned()
-    }
 }
 
 /// Warning for a box whose tensions under the hit are those of a point force, because the scene does not give the size of
@@ -481,86 +302,6 @@ fn unused(scene: &Scene) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::impact::{Cause, Errors};
-
-    /// A pane; `more` has further keys of `[body]` or `[time]`, with the table's name.
-    fn pane(more: &str) -> Scene {
-        let keys = |table: &str| more.strip_prefix(&format!("[{table}]\n")).unwrap_or("").to_owned();
-        let text = format!(
-            "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.01]\n{}\
-             [impactor]\nmass = 1.0\nradius = 0.03\nyoung = 3e9\npoisson = 0.3\nspeed = 3.0\n[time]\nend = 0.008\n{}",
-            keys("body"),
-            keys("time")
-        );
-        Scene::parse("scene", &text, &[]).expect("a scene").0
-    }
-
-    #[test]
-    fn what_is_above_a_limit_is_seen_to_be() {
-        let shown = [(1.6e-2, "1.6e-2"), (1.004e-2, "1.004e-2"), (1.03e-2, "1.03e-2"), (1.000001e-2, "1.0000e-2")];
-        shown.into_iter().for_each(|(number, text)| assert_eq!(beside(number, 1e-2), text));
-    }
-
-    #[test]
-    fn a_tolerance_for_stresses_is_held_against_stresses() {
-        let errors = |history: f64, stress: f64| Errors { first_contact: 1e-3, history, stress };
-        let told = |errors: Errors, measure: Measure, was_warned: bool| {
-            let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
-            let largest = LargestTension { error_estimate: errors.stress, ..LargestTension::default() };
-            missed(&estimate, &Scene { measure, ..pane("") }, was_warned, &largest)
-        };
-        assert!(told(errors(9e-3, 2e-2), Measure::Acceleration, false).is_empty());
-        let of_stress = told(errors(9e-3, 2e-2), Measure::Stress, false);
-        assert!(
-            matches!(&of_stress[..], [one] if one.contains("largest tension") && one.contains("2.0e-2")),
-            "{of_stress:?}"
-        );
-        // A warning from before the run is not repeated. An error without estimate is not above the tolerance.
-        assert!(told(errors(9e-3, 2e-2), Measure::Stress, true).is_empty());
-        assert!(told(errors(9e-3, f64::NAN), Measure::Stress, false).is_empty());
-        assert_eq!(told(errors(2e-2, 9e-3), Measure::Acceleration, false).len(), 1);
-        assert!(told(errors(2e-2, 9e-3), Measure::Stress, false)[0].contains("first contact alone"));
-    }
-
-    /// If the largest tension is at a clamped edge, its error is not estimated: the note says which tension the
-    /// tolerance is for, and does not call it the largest.
-    #[test]
-    fn a_tolerance_for_stresses_is_for_what_is_estimated() {
-        for (stress, is_above) in [(2e-2, true), (9e-3, false)] {
-            let errors = Errors { first_contact: 1e-3, history: 1e-3, stress };
-            let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
-            let scene = Scene { measure: Measure::Stress, ..pane("") };
-            for was_warned in [true, false] {
-                let told = missed(&estimate, &scene, was_warned, &LargestTension::default());
-                assert!(
-                    matches!(&told[..], [one] if one.contains("for the tension under the impact point")
-                        && one.contains("the error of the largest tension is not estimated")
-                        && one.contains("what may lower it") == is_above),
-                    "{told:?}"
-                );
-            }
-        }
-    }
-
-    /// The advice fits the cause: a smaller tolerance changes neither a given mesh, nor a given basis, nor a given step.
-    #[test]
-    fn advice_is_for_the_main_cause() {
-        let told = |more: &str, cause: Cause| {
-            let estimate = ErrorEstimate::default()
-                .with(cause, Errors::throughout(2e-2))
-                .with(Cause::Steps, Errors::throughout(1e-3));
-            missed(&estimate, &pane(more), false, &LargestTension::default()).concat()
-        };
-        let ends = |more: &str, cause: Cause, end: &str| {
-            let told = told(more, cause);
-            assert!(told.ends_with(&format!("what may lower it: {end}")), "{told}");
-        };
-        ends("", Cause::Patch, "finer cells at the impact point");
-        ends("", Cause::Cells, "a smaller accuracy.tolerance");
-        ends("[body]\nreduction = 20\n", Cause::Basis, "body.reduction = \"auto\" in place of a number");
-        let given = "a smaller accuracy.tolerance; the error of the given time.step is not included";
-        ends("[time]\nstep = 1e-5\n", Cause::Cells, given);
-    }
 
     /// A contact radius larger than the distance to the nearest edge gives a note. Farther inside there is none.
     #[test]

@@ -1,0 +1,37 @@
+//! Warnings and notes about a scene and its result, to be read before the result is trusted.
+
+mod accuracy;
+mod scene;
+
+pub use accuracy::{USELESS, Verdict, describe_model, missed, note_of_measure, verdict, why_unestimated};
+pub use scene::{missing_faces, near_clamped_edge, notes, of_geometry, of_values};
+
+/// A warning or note about a scene or its result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remark {
+    /// Kind of the remark. Remarks of the same kind on the members of a sweep are combined.
+    pub kind: String,
+    /// Severity among remarks of the same kind.
+    pub size: f64,
+    /// Text of the remark.
+    pub text: String,
+}
+
+impl Remark {
+    fn new(kind: &str, size: f64, text: String) -> Self {
+        Self { kind: kind.to_owned(), size, text }
+    }
+}
+
+/// Texts of remarks.
+pub fn texts(remarks: Vec<Remark>) -> Vec<String> {
+    remarks.into_iter().map(|remark| remark.text).collect()
+}
+
+/// Joins words to a list: "a, b and c".
+pub fn listed(words: &[&str]) -> String {
+    match words.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => words.concat(),
+    }
+}
