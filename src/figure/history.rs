@@ -50,7 +50,7 @@ pub struct Curve {
 pub enum Role {
     /// One of several alike.
     Value,
-    /// The sum of the others, drawn wide and black.
+    /// The sum of the others, drawn wide, black and dashed.
     Total,
     /// A limit with which others are compared, drawn dashed.
     Limit,

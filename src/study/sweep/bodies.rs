@@ -55,11 +55,17 @@ struct Kept {
     readout: Option<Readout>,
     /// Estimated errors by theory and discretisation, as far as known, and by merging bases.
     of_model: Errors,
-    /// The scene for which the basis was made, with the estimated error of the basis in its impact. That estimate uses more
-    /// bases than the judge.
-    made_for: Option<(Box<Scene>, Errors)>,
+    /// The impact for which the basis was made, if known.
+    made_for: Option<MadeFor>,
     /// Whether the body is interpolated. It then already has the member's Maxwell chains, and it has no energies.
     is_interpolated: bool,
+}
+
+/// The impact for which a basis was made.
+struct MadeFor {
+    scene: Box<Scene>,
+    /// Estimated errors of the basis in this impact. They use more bases than the judge.
+    of_basis: Errors,
 }
 
 impl<'a> Bodies<'a> {
@@ -297,7 +303,8 @@ impl Kept {
     fn of(scene: &Scene, model: Model, of_theory: Errors) -> Result<Self> {
         let of_cells = model.error.without(Cause::Basis).without(Cause::Theory).total().unwrap_or_default();
         let of_model = of_theory.joined(of_cells);
-        let made_for = model.error.of(Cause::Basis).map(|errors| (Box::new(scene.clone()), errors));
+        let made_for = model.error.of(Cause::Basis);
+        let made_for = made_for.map(|of_basis| MadeFor { scene: Box::new(scene.clone()), of_basis });
         let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);
         let judge = judge.map(JudgeBasis::into_modal);
@@ -353,9 +360,9 @@ impl Kept {
         if !has_energies && is_doubtful {
             return self.simulate(scene, true, interrupted);
         }
-        let made_for_this = self.made_for.as_ref().filter(|(of, _)| **of == *scene);
+        let made_for_this = self.made_for.as_ref().filter(|made_for| *made_for.scene == *scene);
         let of_basis = match (made_for_this, &self.judge) {
-            (Some((_, errors)), _) => *errors,
+            (Some(made_for), _) => made_for.of_basis,
             (None, Some((judge, rule))) => {
                 let Some((force, taken)) = impact.force() else { return Ok(None) };
                 let own = with_chains(judge)?;

@@ -99,7 +99,7 @@ fn estimates_are_above_the_errors_of_cells_basis_and_steps(session: &Session) {
 }
 
 /// The contact with a free pane is over before the first echo, and its short waves are treated separately: a part of the
-/// error is not shown by a smaller basis. Without that part the estimate is 3.0e-4, and the error 3.5e-4.
+/// error is not shown by a smaller basis. Without that part the estimate is 3.0e-4, and the error 3.8e-4.
 fn a_contact_without_echoes_is_within_its_estimate(session: &Session) {
     let comm = session.world();
     let case = Case {
