@@ -7,12 +7,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from estimate_scenes import COARSER, HALVED, SCENES
+from estimate_scenes import FITTED, NARROW, SCENES
 from markers import replace, table
 
 TOLERANCE = 1e-2
 # A theory that is named has no estimate of its own error: the reference of its acceleration is of the same theory. That of `auto` is the solid.
 THEORIES = {"mindlin": "mindlin", "solid": "solid", "auto": "solid"}
+# Tolerances of the reference of the acceleration, and of another one.
+REFERENCES = {"mindlin": ("1e-5", "3e-5"), "solid": ("1e-4", "3e-4")}
 # Part of the largest tension from which a tension is near it, as the program has it.
 NEAR_PEAK = 0.9
 # The ratios of estimate and error that are counted as too large.
@@ -66,7 +68,7 @@ class Runs:
     """Runs of one scene; references are kept."""
 
     def __init__(self, program, out, number):
-        self.program, self.folder, self.scene = program, out / str(number), SCENES[number - 1]
+        self.program, self.folder, self.number, self.scene = program, out / str(number), number, SCENES[number - 1]
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def run(self, name, end, model, tolerance, keep=False, more=()):
@@ -81,21 +83,17 @@ class Runs:
             subprocess.run([self.program, "-q", "run", scene, "-o", result, "--force", *overrides], check=True, capture_output=True)
         return Result(result)
 
-    def references(self, end, theory, number):
+    def references(self, end, theory):
         """For each quantity the reference and another one, whose difference says how good it is. Those of the tension are solids for every
-        theory, the first with the force on a disc half as wide, where that takes no hours."""
+        theory, with the force on a narrower disc."""
 
-        def run(theory, tolerance, disc="wide", more=()):
-            return self.run(f"reference-{theory}-{tolerance}-{disc}", end, theory, tolerance, keep=True, more=more)
+        def run(theory, tolerance, part=1.0):
+            disc = [f"contact.disc_radius={part * self.scene.disc():.6g}"] if part < 1 else []
+            return self.run(f"reference-{theory}-{tolerance}-{part:g}", end, theory, tolerance, keep=True, more=disc)
 
-        def two(theory):
-            is_coarser = theory == "solid" and number in COARSER
-            return [run(theory, tolerance) for tolerance in (("3e-4", "1e-3") if is_coarser else ("1e-4", "3e-4"))]
-
-        references = {"acceleration": two(theory)}
-        if number in HALVED:
-            disc = [f"contact.disc_radius={0.5 * self.scene.disc():.6g}"]
-            references["tension"] = run("solid", HALVED[number], "half", disc), two("solid")[0]
+        references = {"acceleration": [run(theory, tolerance) for tolerance in REFERENCES[theory]]}
+        if self.number in NARROW:
+            references["tension"] = run("solid", "3e-4", 0.25), run("solid", "1e-4", 0.5)
         return references
 
     def end(self):
@@ -115,7 +113,7 @@ def judge(program, out, number):
     end = float(end_file.read_text())
     rows = []
     for model, theory in THEORIES.items():
-        references = runs.references(end, theory, number)
+        references = runs.references(end, theory)
         result = runs.run(model, end, model, TOLERANCE)
         row = {"scene": number, "model": model, "theory": result.theory, "seconds": result.seconds}
         for quantity, (reference, other) in references.items():
@@ -158,10 +156,10 @@ def summary(rows, quantity, model, name):
 
 def tables(rows, document):
     """Each quantity and theory in two lines, and the three smallest and five largest ratios."""
-    halves = {"odd": lambda row: row["scene"] % 2 == 1, "even": lambda row: row["scene"] % 2 == 0}
+    halves = {"fitted": lambda row: row["scene"] <= FITTED, "not fitted": lambda row: row["scene"] > FITTED}
     lines = [summary([row for row in counted(rows, quantity, [model]) if is_in(row)], quantity, model, name)
              for quantity in QUANTITIES for model in THEORIES for name, is_in in halves.items()]  # fmt: skip
-    head = ["quantity", "theory", "numbers", "scenes", "error: median; largest", "of the largest tension alone", "estimate/error: least; median; 9 of 10; largest",
+    head = ["quantity", "theory", "constants", "scenes", "error: median; largest", "of the largest tension alone", "estimate/error: least; median; 9 of 10; largest",
             "estimate/max(error, 0.05%)", "below 1", "ratio above 6 (tension: 5)"]  # fmt: skip
     replace(document, "estimates", table(head, lines))
     lines = []
