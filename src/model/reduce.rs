@@ -325,18 +325,16 @@ impl Rule<'_> {
         let share = if start.leaves_short_waves { BASIS_SHARE_OF_LONG_WAVES } else { BASIS_SHARE };
         let wanted = share * scene.tolerance;
         let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
-        // A viscoelastic body is integrated on the larger basis if the smaller one is not accurate enough.
-        let of_smaller = match (start.leaves_short_waves, relaxes) {
-            (true, _) => 1.0 + of_larger(vectors, smaller),
-            (false, true) => ERROR_FACTOR_OF_SMALLER_VISCOELASTIC,
-            (false, false) => ERROR_FACTOR_OF_SMALLER,
-        };
-        let is_small_enough = || self.watch.decided(of_smaller * difference.of(scene.measure) <= wanted);
-        let takes_smaller = is_given || !(start.leaves_short_waves || relaxes) || (relaxes && is_small_enough());
-        let of_difference = match takes_smaller {
-            true => of_smaller,
-            false if start.leaves_short_waves => of_larger(vectors, smaller),
-            false => ERROR_FACTOR_OF_VISCOELASTIC,
+        let is_small_enough =
+            || watch.decided(ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * difference.of(scene.measure) <= wanted);
+        let (of_difference, takes_smaller) = if start.leaves_short_waves {
+            (of_larger(vectors, smaller), false)
+        } else if !relaxes {
+            (ERROR_FACTOR_OF_SMALLER, true)
+        } else if is_given || is_small_enough() {
+            (ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, true)
+        } else {
+            (ERROR_FACTOR_OF_VISCOELASTIC, false)
         };
         let rule = self.rule(of_difference);
         let error = rule.errors(difference);

@@ -161,7 +161,7 @@ fn graph(matrix: &MatrixView) -> Result<Graph> {
 }
 
 /// Entries of this rank's rows in columns of other ranks. Collective.
-fn columns_of_others(matrix: &MatrixView) -> Result<Matrix> {
+pub(super) fn columns_of_others(matrix: &MatrixView) -> Result<Matrix> {
     let range = matrix.row_range();
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     let mut row = Row::default();

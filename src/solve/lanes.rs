@@ -32,7 +32,7 @@ impl Lanes {
 
     /// Computes self + factor · row.
     #[inline(always)]
-    fn plus(self, factor: f64, row: Self) -> Self {
+    pub fn plus(self, factor: f64, row: Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i] + factor * row.0[i]))
     }
 

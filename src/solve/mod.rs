@@ -2,6 +2,7 @@
 //! PETSc's options override; and roots of functions of one variable.
 
 mod blocks;
+mod by_component;
 mod incomplete;
 mod lanes;
 pub mod linear;
@@ -11,5 +12,6 @@ pub mod root;
 mod substructure;
 pub mod triangle;
 
+pub use by_component::by_component;
 pub use linear::Method;
 pub use newton::Newton;

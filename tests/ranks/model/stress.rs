@@ -90,9 +90,9 @@ fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
             assert!(error.abs() < found.error_estimate + OF_REFERENCES, "{theory} {tolerance:e}: {found:?}");
         }
     }
-    // A given patch radius is the radius of the pressure.
+    // A given patch radius is the radius of the pressure. (At 1e-3 the second plate's error is 0.51%.)
     for ((plate, [measured, _]), radius) in PLATES.into_iter().zip([0.025, 0.005]) {
-        let mut scene = scene(plate, &format!("[contact]\npatch_radius = {radius}\n[accuracy]\ntolerance = 1e-3"));
+        let mut scene = scene(plate, &format!("[contact]\npatch_radius = {radius}\n[accuracy]\ntolerance = 5e-4"));
         scene.body.model = ricochet::scene::Model::Mindlin;
         let error = largest(&comm, &scene).value / measured - 1.0;
         println!("r_p = {radius}: {error:+.1e}");
