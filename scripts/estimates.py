@@ -156,9 +156,9 @@ def summary(rows, quantity, model, name):
 
 def tables(rows, document):
     """Each quantity and theory in two lines, and the three smallest and five largest ratios."""
-    halves = {"fitted": lambda row: row["scene"] <= FITTED, "not fitted": lambda row: row["scene"] > FITTED}
+    groups = {"fitted": lambda row: row["scene"] <= FITTED, "not fitted": lambda row: row["scene"] > FITTED}
     lines = [summary([row for row in counted(rows, quantity, [model]) if is_in(row)], quantity, model, name)
-             for quantity in QUANTITIES for model in THEORIES for name, is_in in halves.items()]  # fmt: skip
+             for quantity in QUANTITIES for model in THEORIES for name, is_in in groups.items()]  # fmt: skip
     head = ["quantity", "theory", "constants", "scenes", "error: median; largest", "of the largest tension alone", "estimate/error: least; median; 9 of 10; largest",
             "estimate/max(error, 0.05%)", "below 1", "ratio above 6 (tension: 5)"]  # fmt: skip
     replace(document, "estimates", table(head, lines))

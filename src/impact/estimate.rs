@@ -36,8 +36,8 @@ impl Cause {
 }
 
 /// Exponent p with which errors of different causes are combined, (Σ errorᵖ)^(1/p). An exponent of 1 is the sum, an
-/// upper bound; 2 is for independent errors of either sign. Measured on sixty impacts: with 1 the median estimate
-/// was 3.5 times the error, and with 2 some estimates were too small (docs/accuracy.md).
+/// upper bound; 2 is for independent errors of either sign. Measured on the sixty fitted impacts of docs/accuracy.md: with 1 the median estimate
+/// was 3.5 times the error, and with 2 some estimates were too small.
 const EXPONENT: f64 = 1.5;
 
 /// Smallest ratio to the error of the largest cause at which another cause is named as well. An error of a fifth of the

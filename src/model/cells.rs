@@ -1,7 +1,8 @@
 //! Chooses spline cells as fine as a scene needs, and estimates their discretisation error.
 //!
 //! The cell size that a tolerance requires depends on the contact time and on the waves reflected at the edges. It is
-//! known only by a rule of thumb. The force is therefore also computed on coarser cells, with a basis of the same size.
+//! known only by a rule of thumb. The force is therefore also computed on coarser cells, or on finer ones if there are few,
+//! with a basis of the same size.
 
 use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
@@ -21,7 +22,7 @@ use crate::space::plate::crossing;
 
 /// Size of the coarser cells relative to the others; and least and largest size of finer cells relative to the present
 /// ones.
-const COARSER_CELL_FACTOR: f64 = 1.5;
+pub(super) const COARSER_CELL_FACTOR: f64 = 1.5;
 pub(super) const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, 0.85];
 
 /// Order of convergence in the cell size assumed for the force and for averaged stresses. Measured: 3.8 for the
@@ -66,17 +67,21 @@ const TENSION_FACTOR_IF_COARSER_ACROSS: f64 = 0.8;
 /// wide the tension near its peak changed by 1.3 to 2 times that square.
 const LOCAL_FIELD_FACTOR: f64 = 2.5;
 
-/// Fewest cells along an axis with which a plate is compared, and largest factor from the difference to the error then.
-/// On fewer cells the force converges irregularly: with two cells along an axis the error was measured to be 0.1 to 15
-/// of the difference. Such a plate is small, and is compared with one of finer cells.
+/// Fewest coarser cells along an edge with which a plate is compared, and largest factor from the difference to the
+/// error in that comparison. On few cells the force converges irregularly: with two coarser cells along an edge, the
+/// error was measured to be 0.1 to 15 of the difference. Such a plate is compared with one of finer cells.
 const FEWEST_OF_COARSER: usize = 3;
 const LARGEST_FACTOR_OF_COARSER: f64 = 1.0;
 
-/// Least ratio of the numbers of those finer cells to the others along each axis, and the error on the others over the
-/// difference. An error that is proportional to the cube of the cell size would be 1.4 of it.
+/// Least ratio of the numbers of those finer cells to the others along each edge.
 const FINER_OF_FEW: f64 = 1.5;
-const FINER_JUDGE_STEP: f64 = 0.95;
+
+/// Error of the coarser of such cells over the difference. Measured on sixty plates: 1.05 to 2.1. An error that is
+/// proportional to the cube of the cell size would be 1.4 of the difference.
 const ERROR_FACTOR_OF_FEW: f64 = 2.2;
+
+/// Factor from one size to the next in the search for such cells.
+const FINER_STEP: f64 = 0.95;
 
 /// Share of the tolerance for the estimated discretisation error. It may be more if steps, basis and theory need less.
 pub(super) const CELL_SHARE: f64 = 0.6;
@@ -292,8 +297,8 @@ pub fn refine(
     let Some(mut cells) = fine.cells.filter(|_| scene.time.modal) else { return Ok(fine) };
     let mut judge = match judge_of(comm, scene, theory, &fine, watch) {
         Ok(judge) => judge,
-        // On too coarse cells the body may be too soft or too stiff for the contact law. The present cells are then
-        // compared with finer ones.
+        // On other cells the body may be too soft or too stiff for the contact law. The present cells are then compared
+        // with finer ones.
         Err(Error::Solve(_)) => None,
         Err(error) => return Err(error),
     };
@@ -333,10 +338,14 @@ pub fn refine(
         };
         let vectors = fine.compared();
         let force = watch.shared(fine.on_short_basis(scene, vectors))?;
-        judge = Some(Judge { force, vectors, cells, cell_over_disc: fine.cell_over_disc });
+        let coarser = Judge { force, vectors, cells, cell_over_disc: fine.cell_over_disc };
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
         fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
+        judge = match finer_than_few(scene, theory, &fine, Some(coarser.cells)) {
+            Some(size) => on_cells_of(comm, scene, theory, &fine, size, watch)?.or(Some(coarser)),
+            None => Some(coarser),
+        };
     }
 }
 
@@ -385,20 +394,18 @@ pub(super) fn fitted(
 /// The force on coarser cells, or on finer ones if a plate's coarser cells would be few; `None` if there are no other
 /// cells.
 fn judge_of(comm: &Comm, scene: &Scene, theory: Model, fitted: &Fitted, watch: &dyn Watch) -> Result<Option<Judge>> {
-    match finer_than_few(scene, theory, fitted) {
+    let coarser = cells_of_plate(scene, theory, COARSER_CELL_FACTOR * fitted.size);
+    match finer_than_few(scene, theory, fitted, coarser) {
         Some(size) => on_cells_of(comm, scene, theory, fitted, size, watch),
         None => on_coarser_cells(comm, scene, theory, fitted, watch),
     }
 }
 
-/// Size of finer cells with which the cells of a plate are compared, if its coarser cells would be few.
-fn finer_than_few(scene: &Scene, theory: Model, fitted: &Fitted) -> Option<f64> {
-    let cells = fitted.cells?;
-    let coarser = cells_of_plate(scene, theory, COARSER_CELL_FACTOR * fitted.size)?;
-    let axes: Vec<_> = (0..3).filter(|axis| coarser[*axis] > 1).map(|axis| (coarser[axis], cells[axis])).collect();
-    let fewest = axes.iter().map(|(along, _)| *along).min()?;
-    let order = ORDER.min(ORDER_PER_CELL * fewest as f64);
-    if fewest >= FEWEST_OF_COARSER && ratio(&axes).powf(order) - 1.0 >= LARGEST_FACTOR_OF_COARSER.recip() {
+/// Size of finer cells with which the cells of a plate are compared, if they are too few for a comparison with the
+/// `coarser` ones.
+fn finer_than_few(scene: &Scene, theory: Model, fitted: &Fitted, coarser: Option<[usize; 3]>) -> Option<f64> {
+    let (cells, coarser) = (fitted.cells?, coarser.filter(|_| theory != Model::Solid)?);
+    if !are_few(cells, coarser) {
         return None;
     }
     let is_finer = |finer: [usize; 3]| {
@@ -406,12 +413,20 @@ fn finer_than_few(scene: &Scene, theory: Model, fitted: &Fitted) -> Option<f64> 
     };
     let mut size = fitted.size;
     while !cells_of_plate(scene, theory, size).is_some_and(is_finer) {
-        size *= FINER_JUDGE_STEP;
+        size *= FINER_STEP;
         if size < SMALLEST_CELL_FACTOR * fitted.size {
             return None;
         }
     }
     Some(size)
+}
+
+/// Whether the cells of a plate are too few for a comparison with coarser ones.
+pub(super) fn are_few(cells: [usize; 3], coarser: [usize; 3]) -> bool {
+    let axes: Vec<_> = (0..3).filter(|axis| cells[*axis] > 1).map(|axis| (coarser[axis], cells[axis])).collect();
+    let fewest = axes.iter().map(|(along, _)| *along).min().unwrap_or(0);
+    let order = ORDER.min(ORDER_PER_CELL * fewest as f64);
+    fewest < FEWEST_OF_COARSER || ratio(&axes).powf(order) - 1.0 < LARGEST_FACTOR_OF_COARSER.recip()
 }
 
 /// The force on coarser cells; `None` if there are no coarser cells.

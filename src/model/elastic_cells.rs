@@ -9,8 +9,8 @@
 use petsc_wrap::Comm;
 
 use super::cells::{
-    CELL_SHARE, CellSize, FINER_CELL_FACTORS, Fitted, ORDER, fitted, of_other_bases, on_coarser_cells, refine,
-    unrefined, with_local_fields,
+    CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, ORDER, are_few, fitted, of_other_bases,
+    on_coarser_cells, refine, unrefined, with_local_fields,
 };
 use super::reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_plate};
@@ -155,6 +155,11 @@ fn found(
         evaluator: None,
         measures: None,
     };
+    // The error on few cells does not follow an order of convergence.
+    let coarser = cells_of_plate(scene, theory, COARSER_CELL_FACTOR);
+    if coarser.is_none_or(|coarser| are_few(cells, coarser)) {
+        return Ok(None);
+    }
     let elastic = elastic(scene);
     let fine = fitted(comm, &elastic, stand_in, (1.0, served), watch)?;
     let coarse = match on_coarser_cells(comm, &elastic, theory, &fine, watch) {

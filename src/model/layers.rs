@@ -16,7 +16,7 @@ use petsc_wrap::Comm;
 use super::cells::CELL_SHARE;
 use super::elastic_cells;
 use super::mindlin_error::mindlin_error_over_difference;
-use super::reduce::{BASIS_SHARE, larger};
+use super::reduce::BASIS_SHARE;
 use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher};
 use super::theory::build_thin;
 use super::watch::Watch;
@@ -85,8 +85,7 @@ pub(super) fn layered(
         let Built::Operators(operators) = build(comm, &left, Theory::Layerwise, 1.0, watch)? else {
             return Err(Error::Solve("a plate has unknowns".into()));
         };
-        let [_, vectors] = thick.reduced.counts();
-        let vectors = Some([vectors, larger(vectors)]);
+        let vectors = Some(thick.reduced.counts());
         drop(thick);
         let fitted = elastic_cells::fit(comm, &left, Theory::Layerwise, operators, vectors, watch)?;
         Model::on_basis(comm, scene, Theory::Layerwise, fitted)?

@@ -7,7 +7,7 @@
 //! - **A constant.** Waves in the interior are exact to (kh)⁴, and free edges have the twisting stiffness of
 //!   three-dimensional elasticity ([`crate::form::plate::mindlin_edge`]). The rest is other effects of the boundary
 //!   layers at edges. It is larger for supports that prevent the sections of an edge from warping, because Mindlin's
-//!   theory lets them warp.
+//!   theory lets them warp. At clamps it grows with Poisson's ratio.
 //! - **Poisson's ratio.** Bending strains the thickness by −ν/(1 − ν) times the sum of the in-plane strains. Mindlin's
 //!   theory has that strain statically only, and without the boundary layer in which a free edge releases it. The
 //!   energy is proportional to the square.

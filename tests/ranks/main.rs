@@ -39,6 +39,7 @@ mod body {
     pub mod layers;
     pub mod layerwise;
     pub mod lumped;
+    pub mod mass_products;
     pub mod regions;
     pub mod spectrum;
     pub mod spline;
@@ -120,6 +121,7 @@ fn main() -> ExitCode {
         body::krylov,
         body::layers,
         body::lumped,
+        body::mass_products,
         body::regions,
         body::spectrum,
         impact::conservation,

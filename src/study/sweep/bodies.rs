@@ -15,9 +15,7 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{self, Cause, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
-use crate::model::{
-    BASIS_SHARE, Dynamics, ERROR_FACTOR_OF_SMALLER, JudgeBasis, Linearity, Model, edges, largest_linear,
-};
+use crate::model::{BASIS_SHARE, Dynamics, JudgeBasis, Linearity, Model, edges, largest_linear};
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;
@@ -262,7 +260,7 @@ impl<'a> Bodies<'a> {
             Kept {
                 body,
                 theory,
-                judge: Some((larger, ErrorRule::with_factor(ERROR_FACTOR_OF_SMALLER))),
+                judge: Some((larger, ErrorRule::with_factor(family::ERROR_FACTOR_OF_MERGED))),
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
                 of_model: of_theory.joined(Errors { stress: f64::NAN, ..of_merging }),

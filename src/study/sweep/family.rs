@@ -23,6 +23,9 @@ const VALUES_PER_BODY: usize = 4;
 /// Smallest weight of the directions kept in the basis, relative to the tolerance.
 const DEPTH: f64 = 0.03;
 
+/// Error of a merged basis over its difference from one with directions of a tenth of the weight. An estimate.
+pub const ERROR_FACTOR_OF_MERGED: f64 = 2.2;
+
 /// A merged basis with its tested errors.
 pub struct Family {
     merged: CommonBasis,
@@ -79,6 +82,7 @@ impl Family {
             };
             let body = built.body;
             let mut reduced = reduce(comm, body.linear(), &scene, watch)?;
+            // The larger of the two bases is there already, and its error is less than that of the smaller one.
             let own = reduced.larger().clone();
             let snapshots = snapshots(reduced.krylov.basis(), &own, rate(&scene));
             Ok(Sample { body, snapshots, own, errors: reduced.error, scene })

@@ -202,7 +202,7 @@ fn one_basis_serves_all_temperatures(session: &Session) {
         let reference = modal(&scene, &own, 1e-6);
         let here = shared.with_chains(&chains(&scene));
         let [small, large] = [20, 40].map(|vectors| modal(&scene, &here.leading(vectors), 1e-6));
-        let estimate = 2.2 * small.difference(&large).history;
+        let estimate = ricochet::model::ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * small.difference(&large).history;
         let error = small.difference(&reference).history;
         println!("  {temperature} °C: error {error:.1e}, estimate {estimate:.1e}");
         assert!(error <= estimate && estimate <= 10.0 * error, "{temperature}: {error:e} {estimate:e}");
@@ -243,7 +243,8 @@ fn estimate_holds(session: &Session, laminates: &[(f64, f64)]) {
         let peak = full.iter().fold(0.0_f64, |peak, (_, force)| peak.max(*force));
         let difference =
             |other: &[(f64, f64)]| small.iter().zip(other).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max) / peak;
-        let (error, estimate) = (difference(&full), ricochet::model::ERROR_FACTOR_OF_SMALLER * difference(&large));
+        let (error, estimate) =
+            (difference(&full), ricochet::model::ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * difference(&large));
         println!("  {layer} m at {temperature} °C: error {error:.1e}, estimate {estimate:.1e}");
         assert!(error <= estimate && estimate <= 10.0 * error, "{error:e} {estimate:e}");
     }

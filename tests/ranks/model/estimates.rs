@@ -1,5 +1,5 @@
 //! Estimated errors of the acceleration in the first contact are compared with true errors, for the cheapest and
-//! hardest of the sixty impacts of scripts/estimates: thick plates on grids of few cells, and clamped ones.
+//! hardest of the impacts of scripts/estimates: thick plates on grids of few cells, and clamped ones.
 
 use crate::modelled::{Ran, run};
 use mpi_test::{Test, tests};
