@@ -100,12 +100,12 @@ LISTED = [
     listed((0.5, 0.5, 0.02), 1e9, 5, 0.05, 1),
     listed((0.2, 0.2, 0.008), 1e10, 0.05, 0.005, 10),
 ]
-# Numbers of Halton's sequence whose solids take more than a minute, or too many unknowns for splines.
+# Numbers of Halton's sequence that are left out: their solids take more than a minute or need too many unknowns for splines.
 SLOW = {32, 33, 34, 67, 36, 37, 13, 15, 18, 51, 52, 53, 54, 55, 56, 63, 183, 184, 185, 186, 193, 204, 205, 206, 207, 208}
-# Constants of the estimates were fitted to the first sixty scenes, and to others below number 170 of the sequence.
+# Constants of the estimates were fitted to the first sixty scenes, and to the plates numbered 69 to 169 of the sequence.
 FITTED = 60
-OTHERS = [drawn(number) for number in range(170, 222) if number not in SLOW]
-SCENES = LISTED + [drawn(number) for number in range(1, 69) if number not in SLOW] + OTHERS
+NOT_FITTED = [drawn(number) for number in range(170, 222) if number not in SLOW]
+SCENES = LISTED + [drawn(number) for number in range(1, 69) if number not in SLOW] + NOT_FITTED
 # Scenes whose tension is compared with solids that have the force on narrower discs.
-NARROW = {1, 2, 3, 9, 10, 11, 12, 14, 15, 16, 17, 21, 23, 27, 28, 31, 33, 34, 37, 40, 44, 46, 47, 49, 50, 51, 52, 53, 59, 60}
-NARROW |= {number for number, scene in enumerate(SCENES, 1) if number > FITTED and scene.edge != "clamped"}
+WITH_TENSION_REFERENCE = {1, 2, 3, 9, 10, 11, 12, 14, 15, 16, 17, 21, 23, 27, 28, 31, 33, 34, 37, 40, 44, 46, 47, 49, 50, 51, 52, 53, 59, 60}
+WITH_TENSION_REFERENCE |= {number for number, scene in enumerate(SCENES, 1) if number > FITTED and scene.edge != "clamped"}

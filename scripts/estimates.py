@@ -7,13 +7,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from estimate_scenes import FITTED, NARROW, SCENES
+from estimate_scenes import FITTED, WITH_TENSION_REFERENCE, SCENES
 from markers import replace, table
 
 TOLERANCE = 1e-2
 # A theory that is named has no estimate of its own error: the reference of its acceleration is of the same theory. That of `auto` is the solid.
 THEORIES = {"mindlin": "mindlin", "solid": "solid", "auto": "solid"}
-# Tolerances of the reference of the acceleration, and of another one.
+# Tolerances of the reference of the acceleration, and of the second reference.
 REFERENCES = {"mindlin": ("1e-5", "3e-5"), "solid": ("1e-4", "3e-4")}
 # Part of the largest tension from which a tension is near it, as the program has it.
 NEAR_PEAK = 0.9
@@ -92,7 +92,7 @@ class Runs:
             return self.run(f"reference-{theory}-{tolerance}-{part:g}", end, theory, tolerance, keep=True, more=disc)
 
         references = {"acceleration": [run(theory, tolerance) for tolerance in REFERENCES[theory]]}
-        if self.number in NARROW:
+        if self.number in WITH_TENSION_REFERENCE:
             references["tension"] = run("solid", "3e-4", 0.25), run("solid", "1e-4", 0.5)
         return references
 
@@ -156,10 +156,10 @@ def summary(rows, quantity, model, name):
 
 def tables(rows, document):
     """Each quantity and theory in two lines, and the three smallest and five largest ratios."""
-    groups = {"fitted": lambda row: row["scene"] <= FITTED, "not fitted": lambda row: row["scene"] > FITTED}
+    groups = {"yes": lambda row: row["scene"] <= FITTED, "no": lambda row: row["scene"] > FITTED}
     lines = [summary([row for row in counted(rows, quantity, [model]) if is_in(row)], quantity, model, name)
              for quantity in QUANTITIES for model in THEORIES for name, is_in in groups.items()]  # fmt: skip
-    head = ["quantity", "theory", "constants", "scenes", "error: median; largest", "of the largest tension alone", "estimate/error: least; median; 9 of 10; largest",
+    head = ["quantity", "theory", "used to fit", "scenes", "error: median; largest", "of the largest tension alone", "estimate/error: least; median; 9 of 10; largest",
             "estimate/max(error, 0.05%)", "below 1", "ratio above 6 (tension: 5)"]  # fmt: skip
     replace(document, "estimates", table(head, lines))
     lines = []

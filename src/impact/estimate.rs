@@ -36,7 +36,7 @@ impl Cause {
 }
 
 /// Exponent p with which errors of different causes are combined, (Σ errorᵖ)^(1/p). An exponent of 1 is the sum, an
-/// upper bound; 2 is for independent errors of either sign. Measured on the sixty fitted impacts of docs/accuracy.md: with 1 the median estimate
+/// upper bound; 2 is for independent errors of either sign. Measured on sixty impacts (docs/accuracy.md): with 1 the median estimate
 /// was 3.5 times the error, and with 2 some estimates were too small.
 const EXPONENT: f64 = 1.5;
 

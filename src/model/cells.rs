@@ -35,8 +35,7 @@ const ORDER_OF_SOLIDS: f64 = 2.0;
 const FEW_OF_SOLIDS: usize = 6;
 
 /// Order of convergence of coarse grids per cell along the axis with the fewest cells: such grids do not reach their
-/// full order. With three cells along a quarter of a plate the error was measured to be up to 1.6 times the difference
-/// from two cells. An estimate.
+/// full order. An estimate.
 const ORDER_PER_CELL: f64 = 0.58;
 
 /// Order of convergence of solids if a clamp prevents the sections of an edge from warping: stresses are singular
@@ -67,18 +66,18 @@ const TENSION_FACTOR_IF_COARSER_ACROSS: f64 = 0.8;
 /// wide the tension near its peak changed by 1.3 to 2 times that square.
 const LOCAL_FIELD_FACTOR: f64 = 2.5;
 
-/// Fewest coarser cells along an edge with which a plate is compared, and largest factor from the difference to the
-/// error in that comparison. On few cells the force converges irregularly: with two coarser cells along an edge, the
-/// error was measured to be 0.1 to 15 of the difference. Such a plate is compared with one of finer cells.
-const FEWEST_OF_COARSER: usize = 3;
-const LARGEST_FACTOR_OF_COARSER: f64 = 1.0;
+/// A plate is compared with coarser cells if there are at least this many of them along each edge, and if the error is
+/// at most this factor times the difference; otherwise it is compared with finer cells. On few cells the force converges
+/// irregularly: with two coarser cells along an edge, the error was measured to be 0.1 to 15 of the difference.
+const FEWEST_COARSER_CELLS: usize = 3;
+const LARGEST_FACTOR_TO_COARSER: f64 = 1.0;
 
 /// Least ratio of the numbers of those finer cells to the others along each edge.
-const FINER_OF_FEW: f64 = 1.5;
+const FINER_RATIO_IF_FEW: f64 = 1.5;
 
-/// Error of the coarser of such cells over the difference. Measured on sixty plates: 1.05 to 2.1. An error that is
+/// Error of a plate with few cells over its difference from the finer cells. Measured on sixty plates: 1.05 to 2.1. An error that is
 /// proportional to the cube of the cell size would be 1.4 of the difference.
-const ERROR_FACTOR_OF_FEW: f64 = 2.2;
+const ERROR_FACTOR_IF_FEW: f64 = 2.2;
 
 /// Factor from one size to the next in the search for such cells.
 const FINER_STEP: f64 = 0.95;
@@ -149,10 +148,10 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// Estimated errors on other cells, from their difference from these cells.
+    /// Estimated errors on `cells`, from the difference between the forces on `cells` and on these cells.
     pub fn errors(&self, cells: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
         let is_finer = (0..3).all(|axis| self.cells[axis] >= cells[axis]) && self.cells != cells;
-        if is_finer { ERROR_FACTOR_OF_FEW * difference } else { self.errors_of_finer(cells, scene, theory, difference) }
+        if is_finer { ERROR_FACTOR_IF_FEW * difference } else { self.errors_of_finer(cells, scene, theory, difference) }
     }
 
     /// Estimated errors on finer cells, from their difference from these cells.
@@ -409,7 +408,7 @@ fn finer_than_few(scene: &Scene, theory: Model, fitted: &Fitted, coarser: Option
         return None;
     }
     let is_finer = |finer: [usize; 3]| {
-        (0..3).all(|axis| cells[axis] == 1 || finer[axis] as f64 >= FINER_OF_FEW * cells[axis] as f64)
+        (0..3).all(|axis| cells[axis] == 1 || finer[axis] as f64 >= FINER_RATIO_IF_FEW * cells[axis] as f64)
     };
     let mut size = fitted.size;
     while !cells_of_plate(scene, theory, size).is_some_and(is_finer) {
@@ -426,7 +425,7 @@ pub(super) fn are_few(cells: [usize; 3], coarser: [usize; 3]) -> bool {
     let axes: Vec<_> = (0..3).filter(|axis| cells[*axis] > 1).map(|axis| (coarser[axis], cells[axis])).collect();
     let fewest = axes.iter().map(|(along, _)| *along).min().unwrap_or(0);
     let order = ORDER.min(ORDER_PER_CELL * fewest as f64);
-    fewest < FEWEST_OF_COARSER || ratio(&axes).powf(order) - 1.0 < LARGEST_FACTOR_OF_COARSER.recip()
+    fewest < FEWEST_COARSER_CELLS || ratio(&axes).powf(order) - 1.0 < LARGEST_FACTOR_TO_COARSER.recip()
 }
 
 /// The force on coarser cells; `None` if there are no coarser cells.

@@ -119,7 +119,7 @@ pub(super) fn fit(
     Ok(Fitted { error: Some(error), ..relaxing })
 }
 
-/// The cells that [`fit`] chooses; `None` if there are no coarser cells to compare with. Collective.
+/// The cells that [`fit`] chooses; `None` if the cells are few, or if there are no coarser cells to compare with. Collective.
 ///
 /// # Errors
 /// Same as [`fit`](super::cells::fit).
@@ -137,7 +137,8 @@ pub(super) fn cell_size(
     }))
 }
 
-/// Chooses the cells; `None` if there are no coarser cells on which the elastic body can be computed.
+/// Chooses the cells; `None` if the cells are few, or if there are no coarser cells on which the elastic body can be
+/// computed.
 fn found(
     comm: &Comm,
     scene: &Scene,

@@ -26,16 +26,16 @@ pub(super) const MAX_VECTORS_PER_CLASS: usize = 1500;
 /// basis is used and the larger one serves for the estimate only.
 pub const ERROR_FACTOR_OF_SMALLER: f64 = 1.4;
 
-/// Least number of vectors by which the larger basis is larger. With 10 and 15 vectors the error was up to 6 times the
-/// difference.
+/// Least number of additional vectors of the larger basis. When a basis of 10 vectors was compared with one of 15, the
+/// error was up to 6 times the difference.
 const LEAST_MORE: usize = 9;
 
-/// Error of the larger of two bases over their difference, for a viscoelastic body. Its creep converges more slowly.
-/// Measured on laminates: 0.2 to 1.15. An estimate.
-const ERROR_FACTOR_OF_VISCOELASTIC: f64 = 1.5;
+/// Error of the larger of two bases over their difference, for a viscoelastic body. Measured on laminates: 0.2 to 1.15.
+/// An estimate.
+const ERROR_FACTOR_OF_LARGER_VISCOELASTIC: f64 = 1.5;
 
 /// The factor of the smaller basis for such a body. With 24 to 120 vectors it was measured to be 0.7 to 1.2 on six
-/// laminates, and up to 2.0 on a seventh, which is hit by a heavy impactor.
+/// laminates, and up to 2.0 on a seventh, which is hit by 52 kg.
 pub const ERROR_FACTOR_OF_SMALLER_VISCOELASTIC: f64 = 2.1;
 
 /// Share of the tolerance for the estimated error of the basis.
@@ -132,8 +132,8 @@ impl Reduced {
     }
 }
 
-/// Reduces a body to a basis that the scene's impact needs. A given number of vectors is compared with a larger basis,
-/// of half as many more or [`LEAST_MORE`]. Otherwise as many vectors are made as the tolerance needs, in comparison with smaller bases.
+/// Reduces a body to a basis that the scene's impact needs. A given number of vectors is compared with a larger basis
+/// ([`larger`]). Otherwise as many vectors are made as the tolerance needs, in comparison with smaller bases.
 /// Collective.
 ///
 /// # Errors
@@ -166,7 +166,7 @@ pub fn reduce_from(
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
     };
-    // A given number is followed by that of the larger basis. Otherwise the number grows by √1.5, so that a basis is compared
+    // After a given number of vectors comes its larger basis. Otherwise the number grows by √1.5, so that a basis is compared
     // with the one before the last, or with an earlier one.
     let served = served.filter(|_| given.is_none());
     let first = served.map_or(first, |[smaller, _]| smaller);
@@ -176,7 +176,8 @@ pub fn reduce_from(
     let mut trials = Trials::new(comm, scene, watch);
     let relaxes = !body.chains().is_empty();
     let mut last: Option<Judged> = None;
-    // Number of vectors of the last basis that was compared with a larger one, if it would have been used.
+    // Number of vectors of the last smaller basis that was compared and not accurate enough, if the smaller one would
+    // have been used.
     let mut failed: Option<usize> = None;
     loop {
         grow(&mut krylov, body, count, last, watch)?;
@@ -206,17 +207,18 @@ pub fn reduce_from(
             Ok(mut trial) => {
                 let may_judge = |tried: &Tried| larger(tried.vectors) <= count;
                 let judged = (0..tried.len()).filter(|at| may_judge(&tried[*at])).max_by_key(|at| tried[*at].vectors);
-                // A basis whose error was too large is not compared again, but one that is as large as may be.
-                let most = smaller_of(count);
+                // A basis that was not accurate enough is not compared again. The largest one that may be compared with
+                // `count` vectors takes its place.
+                let largest_smaller = smaller_of(count);
                 let has_failed = judged.is_some_and(|at| failed.is_some_and(|failed| tried[at].vectors <= failed));
                 let judged = match judged {
-                    Some(_) if has_failed && failed.is_some_and(|failed| failed < most) => {
-                        match trials.force(&projection.leading(most)) {
-                            Ok(trial) => tried.push(Tried { vectors: most, trial }),
+                    Some(_) if has_failed && failed.is_some_and(|failed| failed < largest_smaller) => {
+                        match trials.force(&projection.leading(largest_smaller)) {
+                            Ok(trial) => tried.push(Tried { vectors: largest_smaller, trial }),
                             Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
                             Err(_) => {}
                         }
-                        tried.iter().position(|tried| tried.vectors == most)
+                        tried.iter().position(|tried| tried.vectors == largest_smaller)
                     }
                     judged => judged,
                 };
@@ -354,7 +356,7 @@ impl Rule<'_> {
         } else if is_given || is_small_enough() {
             (ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, true)
         } else {
-            (ERROR_FACTOR_OF_VISCOELASTIC, false)
+            (ERROR_FACTOR_OF_LARGER_VISCOELASTIC, false)
         };
         let rule = self.rule(of_difference);
         let error = rule.errors(difference);
@@ -369,8 +371,8 @@ impl Rule<'_> {
         ErrorRule { least: unseen, ..ErrorRule::with_factor(of_difference) }
     }
 
-    /// Improves the estimate for the whole history, if the two bases have other contacts and short waves are treated
-    /// separately: by comparing the larger basis with a closer one. Collective.
+    /// If short waves are treated separately and the two histories have different contacts, estimates the error of the
+    /// whole history by comparing the larger basis with one of 7/8 of its vectors. Collective.
     ///
     /// # Errors
     /// If a PETSc call fails.
@@ -448,8 +450,7 @@ fn of_larger(vectors: usize, smaller: usize) -> f64 {
     LONG_WAVES_MARGIN * ((vectors as f64 / smaller as f64).powf(ORDER) - 1.0).recip()
 }
 
-/// Number of vectors of the basis with which one of `vectors` is compared: half as many more, and at least
-/// [`LEAST_MORE`].
+/// Number of vectors of the basis with which one of n `vectors` is compared: the larger of 1.5 n and n + 9.
 pub(super) fn larger(vectors: usize) -> usize {
     vectors + vectors.div_ceil(2).max(LEAST_MORE)
 }

@@ -2,16 +2,16 @@
 //! PETSc's options override; and roots of functions of one variable.
 
 mod blocks;
-mod by_component;
 mod incomplete;
 mod lanes;
 pub mod linear;
 mod newton;
+mod nodal_product;
 mod ordering;
 pub mod root;
 mod substructure;
 pub mod triangle;
 
-pub use by_component::by_component;
 pub use linear::Method;
 pub use newton::Newton;
+pub use nodal_product::nodal_product;

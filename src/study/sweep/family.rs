@@ -23,7 +23,8 @@ const VALUES_PER_BODY: usize = 4;
 /// Smallest weight of the directions kept in the basis, relative to the tolerance.
 const DEPTH: f64 = 0.03;
 
-/// Error of a merged basis over its difference from one with directions of a tenth of the weight. An estimate.
+/// Error of a merged basis over its difference from one that keeps directions down to a tenth of the least weight. An
+/// estimate.
 pub const ERROR_FACTOR_OF_MERGED: f64 = 2.2;
 
 /// A merged basis with its tested errors.

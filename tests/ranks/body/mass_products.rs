@@ -1,4 +1,4 @@
-//! Products with the mass of a mesh, which store its numbers once for the three components of a node.
+//! Tests the products with the mass matrix of a mesh, whose entries are stored once for three components.
 
 use crate::glass;
 use mpi_test::{Test, tests};
@@ -10,7 +10,7 @@ use ricochet::scene::Scene;
 pub const RANKS: &[usize] = &[1, 2, 3];
 pub const TESTS: &[Test<Session>] = tests![products_are_those_of_the_matrix];
 
-/// The product with a pseudo-random vector is that of the assembled matrix, up to the rounding of sums of a hundred
+/// The product with a pseudo-random vector equals that by the assembled matrix, up to the rounding of sums of a hundred
 /// terms.
 fn products_are_those_of_the_matrix(session: &Session) {
     let text =

@@ -1,14 +1,15 @@
-//! Products of a matrix of nodes with vectors of three components per node, such as those of a mass matrix.
+//! Products of a nodal matrix, with one row per node, with vectors of three components per node. The mass of one
+//! component is such a matrix.
 //!
-//! All components have the same matrix. Each of its numbers is read once for all three, and only one triangle is
-//! stored, since the time of such a product is that of reading the numbers.
+//! Each entry is read once for all three components, and only the upper triangle is stored, because memory traffic
+//! limits the speed.
 
 use petsc_wrap::{Matrix, MatrixView, Result, Row, VectorView};
 
 use super::blocks::columns_of_others;
 use super::lanes::{Lanes, SIZE};
 
-/// This rank's rows and columns of a symmetric matrix of nodes.
+/// This rank's rows and columns of a symmetric nodal matrix.
 struct NodeTriangle {
     diagonal: Vec<f64>,
     /// Start of each row's numbers beyond the diagonal.
@@ -18,12 +19,12 @@ struct NodeTriangle {
     numbers: Vec<f64>,
 }
 
-/// Operator with the products of the symmetric `matrix` of nodes for each of three components: this rank's rows and
+/// Operator with the products of a symmetric nodal matrix for each of three components: this rank's rows and
 /// columns are multiplied here, columns of other ranks by PETSc. The numbers are copied. Collective.
 ///
 /// # Errors
 /// If the matrix is not an assembled AIJ matrix, or if a PETSc call fails.
-pub fn by_component(matrix: &MatrixView) -> Result<Matrix> {
+pub fn nodal_product(matrix: &MatrixView) -> Result<Matrix> {
     let is_shared = matrix.comm().size() > 1;
     let others = if is_shared { Some(columns_of_others(matrix)?.by_component(SIZE)?) } else { None };
     let triangle = NodeTriangle::new(matrix)?;
