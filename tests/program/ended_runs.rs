@@ -108,9 +108,10 @@ fn sigint_ends_a_run_in_order_and_progress_is_sparse() {
     check_interrupted(&folder, &outcome);
     let lines: Vec<&str> = outcome.stderr.lines().filter(|line| line.starts_with("step ")).collect();
     assert_eq!(lines.len(), 1, "{outcome:#?}");
-    // By then the run has done a thousand time steps or more.
     assert!(lines[0].contains(", t = ") && lines[0].contains(" of 10000.000 ms, F = "), "{lines:?}");
-    assert!(lines[0].ends_with(" s left"), "{lines:?}");
+    // By then an idle machine has done a thousand time steps. The remaining time is estimated after twenty.
+    let number = lines[0].trim_start_matches("step ").split(',').next().and_then(|number| number.parse::<usize>().ok());
+    assert!(number.is_some_and(|number| number < 20 || lines[0].ends_with(" s left")), "{lines:?}");
     assert!(!outcome.stderr.contains('\r') && !outcome.stderr.contains('\u{1b}'));
 }
 
