@@ -229,6 +229,19 @@ impl ErrorEstimate {
         self.total().filter(|_| has_cells).map_or(f64::NAN, |errors| errors.stress)
     }
 
+    /// Names of the causes to be mended if the total is above the tolerance: those whose error is at least a fifth of the
+    /// largest one, or, if the theory's error alone is above the tolerance, those that are so too. Finer cells do not
+    /// help against a theory.
+    pub fn causes_to_mend(&self, measure: Measure, tolerance: f64) -> Vec<&'static str> {
+        let is_above = |errors: &Errors| errors.of(measure) > tolerance;
+        match self.of(Cause::Theory) {
+            Some(errors) if is_above(&errors) => {
+                self.parts.iter().filter(|(_, errors)| is_above(errors)).map(|(cause, _)| cause.name()).collect()
+            }
+            _ => self.main_causes(measure),
+        }
+    }
+
     /// Names of the causes whose error is at least a fifth of the largest one.
     pub fn main_causes(&self, measure: Measure) -> Vec<&'static str> {
         // If the error of the stress is unknown for one cause, all causes are compared by the acceleration, as in the
@@ -283,5 +296,15 @@ mod tests {
         let unknown = estimate(errors(f64::NAN, 3e-2));
         assert_eq!(unknown.main_causes(Measure::Acceleration), ["basis", "theory"]);
         assert!(ErrorEstimate::default().main_causes(Measure::Acceleration).is_empty());
+    }
+
+    #[test]
+    fn a_theory_above_the_tolerance_is_mended_first() {
+        let estimate = ErrorEstimate::default()
+            .with(Cause::Basis, Errors::throughout(9e-3))
+            .with(Cause::Theory, Errors::throughout(1.1e-2));
+        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 1e-2), ["theory"]);
+        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 8e-3), ["basis", "theory"]);
+        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 2e-2), ["basis", "theory"]);
     }
 }

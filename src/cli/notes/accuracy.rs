@@ -31,6 +31,9 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
     words
 }
 
+/// Error over the whole history relative to the error in the first contact, above which later times are more sensitive.
+const GROWTH: f64 = 1.2;
+
 /// Error in the first contact over the peak, above which a time history is of no use.
 pub const USELESS: f64 = 0.5;
 
@@ -48,7 +51,7 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
         "the estimated error{of_what} in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          what may lower it: {}",
         beside(error, tolerance),
-        remedies(&estimate.main_causes(scene.measure), scene)
+        remedies(&estimate.causes_to_mend(scene.measure, tolerance), scene)
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
 }
@@ -79,7 +82,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     let (measure, tolerance) = (scene.measure, scene.tolerance);
     let mut missed = Vec::new();
     let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().is_nan();
-    let remedies_of_stress = || remedies(&estimate.main_causes(measure), scene);
+    let remedies_of_stress = || remedies(&estimate.causes_to_mend(measure, tolerance), scene);
     if measure == Measure::Stress && is_for_another_place {
         let (error, help) = if errors.stress > tolerance {
             (beside(errors.stress, tolerance), format!("; what may lower it: {}", remedies_of_stress()))
@@ -98,8 +101,12 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             remedies_of_stress()
         ));
     }
-    if errors.history > tolerance {
+    // The verdict has named an error that hardly grows after the first contact.
+    let grows = errors.history > GROWTH * errors.first_contact;
+    let is_told = was_warned && measure == Measure::Acceleration && !grows;
+    if errors.history > tolerance && !is_told {
         let error = beside(errors.history, tolerance);
+        let later = if grows { ": later times are more sensitive" } else { "" };
         let (of_what, scope) = match measure {
             Measure::Acceleration => ("", ", which is for the first contact"),
             Measure::Stress => (" of the acceleration", "; stresses are estimated in the first contact alone"),
@@ -109,8 +116,8 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             None => "",
         };
         missed.push(format!(
-            "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}{scope}: later times are \
-             more sensitive; what may lower it: {}{step}",
+            "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}{scope}{later}; \
+             what may lower it: {}{step}",
             remedies(&estimate.main_causes_of_history(), scene)
         ));
     }

@@ -90,14 +90,16 @@ fn plates_and_splines_have_the_tension_of_solids(session: &Session) {
             assert!(error.abs() < found.error_estimate + OF_REFERENCES, "{theory} {tolerance:e}: {found:?}");
         }
     }
-    // A given patch radius is the radius of the pressure. At a tolerance of 1e-3 the second
-    // plate's error of 0.51% would exceed the limit.
+    // A given patch radius is the radius of the pressure. On the second plate the error is −5.0e-3 at any tolerance from
+    // 1e-3 down, of which 2e-3 may be the reference's.
     for ((plate, [measured, _]), radius) in PLATES.into_iter().zip([0.025, 0.005]) {
-        let mut scene = scene(plate, &format!("[contact]\npatch_radius = {radius}\n[accuracy]\ntolerance = 5e-4"));
+        let mut scene = scene(plate, &format!("[contact]\npatch_radius = {radius}\n[accuracy]\ntolerance = 1e-3"));
         scene.body.model = ricochet::scene::Model::Mindlin;
-        let error = largest(&comm, &scene).value / measured - 1.0;
-        println!("r_p = {radius}: {error:+.1e}");
-        assert!(error.abs() < 5e-3, "{radius}: {error:+.2e}");
+        let found = largest(&comm, &scene);
+        let error = found.value / measured - 1.0;
+        println!("r_p = {radius}: {error:+.1e}, estimated {:.1e}", found.error_estimate);
+        assert!(error.abs() < found.error_estimate + OF_REFERENCES, "{radius}: {error:+.2e} {found:?}");
+        assert!(error.abs() < 5e-3 + OF_REFERENCES, "{radius}: {error:+.2e}");
     }
 }
 
