@@ -341,7 +341,7 @@ pub fn refine(
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
         fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
-        judge = match finer_than_few(scene, theory, &fine, Some(coarser.cells)) {
+        judge = match is_unreliable(coarser.cells).then(|| finer_size(scene, theory, &fine)).flatten() {
             Some(size) => on_cells_of(comm, scene, theory, &fine, size, watch)?.or(Some(coarser)),
             None => Some(coarser),
         };
@@ -394,19 +394,16 @@ pub(super) fn fitted(
 /// cells.
 fn judge_of(comm: &Comm, scene: &Scene, theory: Model, fitted: &Fitted, watch: &dyn Watch) -> Result<Option<Judge>> {
     let coarser = cells_of_plate(scene, theory, COARSER_CELL_FACTOR * fitted.size);
-    match finer_than_few(scene, theory, fitted, coarser) {
+    let is_few = fitted.cells.zip(coarser).is_some_and(|(cells, coarser)| are_few(cells, coarser));
+    match is_few.then(|| finer_size(scene, theory, fitted)).flatten() {
         Some(size) => on_cells_of(comm, scene, theory, fitted, size, watch),
         None => on_coarser_cells(comm, scene, theory, fitted, watch),
     }
 }
 
-/// Size of finer cells with which the cells of a plate are compared, if they are too few for a comparison with the
-/// `coarser` ones.
-fn finer_than_few(scene: &Scene, theory: Model, fitted: &Fitted, coarser: Option<[usize; 3]>) -> Option<f64> {
-    let (cells, coarser) = (fitted.cells?, coarser.filter(|_| theory != Model::Solid)?);
-    if !are_few(cells, coarser) {
-        return None;
-    }
+/// Size of finer cells with which a plate of few cells is compared.
+fn finer_size(scene: &Scene, theory: Model, fitted: &Fitted) -> Option<f64> {
+    let cells = fitted.cells?;
     let is_finer = |finer: [usize; 3]| {
         (0..3).all(|axis| cells[axis] == 1 || finer[axis] as f64 >= FINER_RATIO_IF_FEW * cells[axis] as f64)
     };
@@ -425,7 +422,12 @@ pub(super) fn are_few(cells: [usize; 3], coarser: [usize; 3]) -> bool {
     let axes: Vec<_> = (0..3).filter(|axis| cells[*axis] > 1).map(|axis| (coarser[axis], cells[axis])).collect();
     let fewest = axes.iter().map(|(along, _)| *along).min().unwrap_or(0);
     let order = ORDER.min(ORDER_PER_CELL * fewest as f64);
-    fewest < FEWEST_COARSER_CELLS || ratio(&axes).powf(order) - 1.0 < LARGEST_FACTOR_TO_COARSER.recip()
+    is_unreliable(coarser) || ratio(&axes).powf(order) - 1.0 < LARGEST_FACTOR_TO_COARSER.recip()
+}
+
+/// Whether coarser cells are too few for any comparison.
+fn is_unreliable(coarser: [usize; 3]) -> bool {
+    coarser.iter().any(|along| (2..FEWEST_COARSER_CELLS).contains(along))
 }
 
 /// The force on coarser cells; `None` if there are no coarser cells.
