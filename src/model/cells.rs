@@ -1,8 +1,8 @@
 //! Chooses spline cells as fine as a scene needs, and estimates their discretisation error.
 //!
 //! The cell size that a tolerance requires depends on the contact time and on the waves reflected at the edges. It is
-//! known only by a rule of thumb. The force is therefore also computed on coarser cells, or on finer ones if there are few,
-//! with a basis of the same size.
+//! known only by a rule of thumb. The force is therefore also computed on coarser cells, or on finer ones if there are
+//! few, with a basis of the same size.
 
 use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
@@ -75,8 +75,8 @@ const LARGEST_FACTOR_TO_COARSER: f64 = 1.0;
 /// Least ratio of the numbers of those finer cells to the others along each edge.
 const FINER_RATIO_IF_FEW: f64 = 1.5;
 
-/// Error of a plate with few cells over its difference from the finer cells. Measured on sixty plates: 1.05 to 2.1. An error that is
-/// proportional to the cube of the cell size would be 1.4 of the difference.
+/// Error of a plate with few cells over its difference from the finer cells. Measured on sixty plates: 1.05 to 2.1. An
+/// error that is proportional to the cube of the cell size would be 1.4 of the difference.
 const ERROR_FACTOR_IF_FEW: f64 = 2.2;
 
 /// Factor from one size to the next in the search for such cells.

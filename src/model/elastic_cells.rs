@@ -119,7 +119,8 @@ pub(super) fn fit(
     Ok(Fitted { error: Some(error), ..relaxing })
 }
 
-/// The cells that [`fit`] chooses; `None` if the cells are few, or if there are no coarser cells to compare with. Collective.
+/// The cells that [`fit`] chooses; `None` if the cells are few, or if there are no coarser cells to compare with.
+/// Collective.
 ///
 /// # Errors
 /// Same as [`fit`](super::cells::fit).

@@ -166,8 +166,8 @@ pub fn reduce_from(
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
     };
-    // After a given number of vectors comes its larger basis. Otherwise the number grows by √1.5, so that a basis is compared
-    // with the one before the last, or with an earlier one.
+    // After a given number of vectors comes its larger basis. Otherwise the number grows by √1.5, so that a basis is
+    // compared with the one before the last, or with an earlier one.
     let served = served.filter(|_| given.is_none());
     let first = served.map_or(first, |[smaller, _]| smaller);
     let second = served.map_or(first + first.div_ceil(2), |[_, more]| more.max(larger(first)));
