@@ -27,7 +27,7 @@ use super::direct::Precision;
 use super::lanczos::{Growing, Lanczos};
 use super::linear::{LinearBody, Operator, Properties};
 use super::projected::Projected;
-use super::shift::{Chain, Shift, Solver, Source};
+use super::shift::{Chain, Shift, Solver, Source, rates};
 use super::{Projection, Start};
 use crate::error::Result;
 use crate::scene::Fault;
@@ -90,7 +90,8 @@ impl Krylov {
         pushed.iter().for_each(|pushed| starts.push(pushed));
         starts.zero_rows(held);
         let is_alone = starts.count() == 1;
-        let may_recur = in_blocks && !is_damped && body.chains().is_empty() && is_alone && rest.is_none();
+        let is_at_one_shift = rates(&body.chains(), shift, end).len() == 1;
+        let may_recur = in_blocks && !is_damped && is_at_one_shift && is_alone && rest.is_none();
         // Single-precision vectors are orthogonalised in the end, and their rounding is small compared with a tolerance
         // that allows blocks.
         let precision = if may_recur { Precision::Single } else { Precision::Double };

@@ -10,10 +10,10 @@ use petsc_wrap::Comm;
 
 use super::cells::{
     CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, ORDER, are_few, fitted, of_other_bases,
-    on_coarser_cells, refine, unrefined, with_local_fields,
+    on_cells_built, on_coarser_cells, refine, unrefined, with_local_fields,
 };
 use super::reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, Reduced, larger, rate};
-use super::theory::{Built, Operators, build, cells_of_plate};
+use super::theory::{Built, Operators, build, cells_of_grid};
 use super::watch::Watch;
 use crate::body::{Assembled, rates};
 use crate::description::Description;
@@ -75,24 +75,21 @@ impl Found {
     }
 }
 
-/// Number of vectors of a viscoelastic body relative to the elastic one: a first guess, from one pane. More vectors are
-/// added if the error is too large.
-const MORE: f64 = 1.1;
-
-/// Number of vectors with which the error of the basis meets its share of the tolerance, if the error falls with the
-/// square of that number.
+/// Number of vectors with which the error of a viscoelastic body's basis meets its share of the tolerance, if the error
+/// is that of the elastic body and falls with the square of that number: a first guess. More vectors are added if the
+/// error is too large.
 fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
     let [fewer, more] = reduced.counts();
     if reduced.rule == ErrorRule::default() {
         return more;
     }
     let error = ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * reduced.difference.of(scene.measure);
-    let needed = MORE * fewer as f64 * (error / (BASIS_SHARE * scene.tolerance)).sqrt();
+    let needed = fewer as f64 * (error / (BASIS_SHARE * scene.tolerance)).sqrt();
     (needed.ceil() as usize).clamp(fewer, more)
 }
 
-/// Reduces a plate of viscoelastic layers on its present cells, or on finer ones if these are too coarse. `vectors` are
-/// numbers of vectors that were enough for a similar elastic body. Collective.
+/// Reduces a plate of viscoelastic layers on its present cells, or on finer ones if these are too coarse. `coarser` is
+/// the elastic body on coarser cells, with the numbers of vectors that a rough tolerance needs. Collective.
 ///
 /// # Errors
 /// Same as [`fit`](super::cells::fit).
@@ -101,10 +98,10 @@ pub(super) fn fit(
     scene: &Scene,
     theory: Model,
     mut built: Operators,
-    vectors: Option<[usize; 2]>,
+    coarser: Option<(Operators, [usize; 2])>,
     watch: &dyn Watch,
 ) -> Result<Fitted> {
-    let Some(found) = found(comm, scene, theory, &built, vectors, watch)? else {
+    let Some(found) = found(comm, scene, theory, &built, coarser, watch)? else {
         return refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch);
     };
     let served = found.first_vectors(&built, scene);
@@ -145,7 +142,7 @@ fn found(
     scene: &Scene,
     theory: Model,
     built: &Operators,
-    served: Option<[usize; 2]>,
+    coarser: Option<(Operators, [usize; 2])>,
     watch: &dyn Watch,
 ) -> Result<Option<Found>> {
     let (Assembled::Local(body), Some(cells)) = (&built.body, built.cells) else { return Ok(None) };
@@ -158,13 +155,21 @@ fn found(
         measures: None,
     };
     // The error on few cells does not follow an order of convergence.
-    let coarser = cells_of_plate(scene, theory, COARSER_CELL_FACTOR);
-    if coarser.is_none_or(|coarser| are_few(cells, coarser)) {
+    let coarser_cells = match &coarser {
+        Some((coarser, _)) => coarser.cells,
+        None => cells_of_grid(scene, theory, COARSER_CELL_FACTOR),
+    };
+    if coarser_cells.is_none_or(|coarser| are_few(cells, coarser)) {
         return Ok(None);
     }
     let elastic = elastic(scene);
+    let (coarser, served) = coarser.unzip();
     let fine = fitted(comm, &elastic, stand_in, (1.0, served), watch)?;
-    let coarse = match on_coarser_cells(comm, &elastic, theory, &fine, watch) {
+    let coarse = match coarser {
+        Some(coarser) => on_cells_built(comm, &elastic, &fine, coarser, watch),
+        None => on_coarser_cells(comm, &elastic, theory, &fine, watch),
+    };
+    let coarse = match coarse {
         Ok(Some(judge)) => judge,
         Ok(None) | Err(Error::Solve(_)) => return Ok(None),
         Err(error) => return Err(error),
@@ -181,7 +186,7 @@ fn found(
     let mut size = finer.min(FINER_CELL_FACTORS[1]);
     while finer >= FINER_CELL_FACTORS[0] && size >= FINER_CELL_FACTORS[0] {
         // Numbers of cells are integers: sizes that give the same numbers are skipped.
-        if let Some(finer) = cells_of_plate(scene, theory, size).filter(|finer| *finer != cells) {
+        if let Some(finer) = cells_of_grid(scene, theory, size).filter(|finer| *finer != cells) {
             // Histories with different contacts do not follow an order of convergence.
             let of_finer = coarse.errors_on_finer((cells, error), finer, &elastic, theory);
             let history = if error.history <= scene.tolerance { of_finer.history } else { error.history };

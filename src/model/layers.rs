@@ -13,20 +13,35 @@
 
 use petsc_wrap::Comm;
 
-use super::cells::CELL_SHARE;
+use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR};
 use super::elastic_cells;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::BASIS_SHARE;
 use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher};
 use super::theory::build_thin;
 use super::watch::Watch;
-use super::{Built, Model, build, reduce, refine, unrefined};
+use super::{Built, Fitted, Model, Operators, Reduced, build, reduce, refine, unrefined};
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors, beside, joined, rest};
 use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
+
+/// The elastic layerwise plate that is compared with one without shear.
+enum Thick {
+    /// On the cells and the basis of the scene's tolerance.
+    Whole(Fitted),
+    /// On coarser cells, reduced to the basis of a rough tolerance.
+    Coarser { operators: Operators, reduced: Reduced },
+}
+
+impl Thick {
+    fn reduced(&self) -> &Reduced {
+        let (Self::Whole(Fitted { reduced, .. }) | Self::Coarser { reduced, .. }) = self;
+        reduced
+    }
+}
 
 /// The layerwise plate; `None` if the solid is needed. Collective.
 pub(super) fn layered(
@@ -38,17 +53,23 @@ pub(super) fn layered(
     let elastic = elastic_cells::elastic(scene);
     let elastic = Scene { time: Time { modal: true, ..scene.time.clone() }, ..elastic };
     let rough = rougher(&elastic);
-    // For a viscoelastic body the elastic plate is made for the difference only.
-    let relaxes = !Description::new(scene).relaxations().is_empty();
-    let elastic = if relaxes { rough.clone() } else { elastic };
-    let Built::Operators(operators) = build(comm, &elastic, Theory::Layerwise, 1.0, watch)? else {
-        return Err(Error::Solve("a plate has unknowns".into()));
+    let layerwise = |scene: &Scene, size: f64| match build(comm, scene, Theory::Layerwise, size, watch)? {
+        Built::Operators(operators) => Ok(operators),
+        Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
     };
+    // For a viscoelastic body the elastic plate is made for comparisons only: on coarser cells and a short basis.
+    let relaxes = !Description::new(scene).relaxations().is_empty();
     // Cells and basis are not checked yet. Their part of the difference is small, and so is their effect on the
     // estimate.
-    let thick = unrefined(comm, &elastic, operators, watch)?;
+    let thick = if relaxes {
+        let operators = layerwise(&elastic, COARSER_CELL_FACTOR)?;
+        let reduced = reduce(comm, operators.body.linear(), &rough, watch)?;
+        Thick::Coarser { operators, reduced }
+    } else {
+        Thick::Whole(unrefined(comm, &elastic, layerwise(&elastic, 1.0)?, watch)?)
+    };
     let thin = reduce(comm, build_thin(comm, &rough)?.body.linear(), &rough, watch)?;
-    let difference = thick.reduced.force.0.difference(&thin.force.0);
+    let difference = thick.reduced().force.0.difference(&thin.force.0);
     let mismatch = plate::mismatch(&elastic)?;
     let of_theory = mindlin_error_over_difference(&elastic) * difference + Errors::throughout(mismatch);
     let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));
@@ -82,29 +103,20 @@ pub(super) fn layered(
         passed.push(judged);
     }
     let model = if elastic_cells::serves(scene, Theory::Layerwise) {
-        let Built::Operators(operators) = build(comm, &left, Theory::Layerwise, 1.0, watch)? else {
-            return Err(Error::Solve("a plate has unknowns".into()));
+        let coarser = match thick {
+            Thick::Coarser { operators, reduced } => Some((operators, reduced.counts())),
+            Thick::Whole(_) => None,
         };
-        let vectors = Some(thick.reduced.counts());
-        drop(thick);
-        let fitted = elastic_cells::fit(comm, &left, Theory::Layerwise, operators, vectors, watch)?;
+        let operators = layerwise(&left, 1.0)?;
+        let fitted = elastic_cells::fit(comm, &left, Theory::Layerwise, operators, coarser, watch)?;
         Model::on_basis(comm, scene, Theory::Layerwise, fitted)?
     } else if scene.time.modal {
-        let is_whole = left.tolerance == tolerance && !relaxes;
-        let coarse = if is_whole {
-            thick
-        } else {
-            let Built::Operators(operators) = build(comm, &left, Theory::Layerwise, 1.0, watch)? else {
-                return Err(Error::Solve("a plate has unknowns".into()));
-            };
-            unrefined(comm, &left, operators, watch)?
+        let coarse = match thick {
+            Thick::Whole(thick) if left.tolerance == tolerance => thick,
+            _ => unrefined(comm, &left, layerwise(&left, 1.0)?, watch)?,
         };
-        Model::on_basis(
-            comm,
-            scene,
-            Theory::Layerwise,
-            refine(comm, &left, Theory::Layerwise, coarse, Errors::default(), watch)?,
-        )?
+        let fitted = refine(comm, &left, Theory::Layerwise, coarse, Errors::default(), watch)?;
+        Model::on_basis(comm, scene, Theory::Layerwise, fitted)?
     } else {
         Model::of(comm, &left, Theory::Layerwise, watch)?
     };

@@ -56,8 +56,16 @@ const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 /// Number of vectors of a long basis, which is costly to enlarge.
 const LONG_BASIS: usize = 256;
 
-/// Growth factor of the number of vectors from one basis to the next.
+/// Least growth factor of the number of vectors from one basis to the next.
 const BASIS_GROWTH: f64 = 1.225;
+
+/// Largest growth factor of bases with at least [`MANY_VECTORS`]. The error of shorter bases often falls faster than the
+/// order says, and they grow less at once.
+const LARGEST_BASIS_GROWTH: f64 = 2.0;
+const MANY_VECTORS: usize = 30;
+
+/// Order of convergence in the number of vectors, if short waves are not treated separately.
+const ORDER_OF_ALL_WAVES: f64 = 2.0;
 
 /// Shift s of the basis, times the contact time on a half-space, for a tolerance of 1e-2. Bases from 5 to 50 are much
 /// alike; the remaining error at small tolerances is at higher frequencies.
@@ -73,6 +81,10 @@ const HISTORY_BASIS_FRACTION: f64 = 0.875;
 /// Smallest tolerance for which long bases are orthogonalised in blocks. Below it the rounding errors of blocks matter:
 /// for 1e-4 a pane took 363 vectors instead of 296.
 const LEAST_TOLERANCE_OF_BLOCKS: f64 = 1e-3;
+
+/// Least number of unknowns for which bases with all waves are orthogonalised in blocks. Those of smaller bodies are
+/// short, and blocks save no time.
+const LEAST_UNKNOWNS_OF_BLOCKS: usize = 2000;
 
 /// Number of vectors added to the basis of a small body between two checks for interruption, per symmetry class.
 const VECTORS_PER_CHECK: usize = 32;
@@ -166,21 +178,22 @@ pub fn reduce_from(
         Reduction::Vectors(vectors) => Some(vectors),
         _ => None,
     };
-    // After a given number of vectors comes its larger basis. Otherwise the number grows by √1.5, so that a basis is
-    // compared with the one before the last, or with an earlier one.
+    // After a number of vectors comes its larger basis, and then as many vectors as the error requires.
     let served = served.filter(|_| given.is_none());
     let first = served.map_or(first, |[smaller, _]| smaller);
-    let second = served.map_or(first + first.div_ceil(2), |[_, more]| more.max(larger(first)));
+    let second = served.map_or(larger(first), |[_, more]| more.max(larger(first)));
     let mut count = given.unwrap_or(first);
     let mut tried: Vec<Tried> = Vec::new();
     let mut trials = Trials::new(comm, scene, watch);
     let relaxes = !body.chains().is_empty();
+    let order = if start.leaves_short_waves { ORDER } else { ORDER_OF_ALL_WAVES };
     let mut last: Option<Judged> = None;
     // Number of vectors of the last smaller basis that was compared and not accurate enough, if the smaller one would
     // have been used.
     let mut failed: Option<usize> = None;
     loop {
         grow(&mut krylov, body, count, last, watch)?;
+        tracing::debug!(count, "basis tried");
         let projection = krylov.projection(body)?;
         count = projection.vectors();
         let enough = count > MAX_VECTORS_PER_CLASS * body.classes().len() || (given.is_some() && !tried.is_empty());
@@ -207,20 +220,21 @@ pub fn reduce_from(
             Ok(mut trial) => {
                 let may_judge = |tried: &Tried| larger(tried.vectors) <= count;
                 let judged = (0..tried.len()).filter(|at| may_judge(&tried[*at])).max_by_key(|at| tried[*at].vectors);
-                // A basis that was not accurate enough is not compared again. The largest one that may be compared with
-                // `count` vectors takes its place.
-                let largest_smaller = smaller_of(count);
-                let has_failed = judged.is_some_and(|at| failed.is_some_and(|failed| tried[at].vectors <= failed));
-                let judged = match judged {
-                    Some(_) if has_failed && failed.is_some_and(|failed| failed < largest_smaller) => {
-                        match trials.force(&projection.leading(largest_smaller)) {
-                            Ok(trial) => tried.push(Tried { vectors: largest_smaller, trial }),
+                // A basis that was not accurate enough is not compared again. One with as many vectors as its error
+                // requires takes its place.
+                let wanted = failed.zip(last).filter(|(failed, _)| *failed < smaller_of(count));
+                let wanted =
+                    wanted.map(|(failed, last)| vectors_needed(last, order).clamp(failed + 1, smaller_of(count)));
+                let judged = match (judged, wanted) {
+                    (Some(at), Some(wanted)) if wanted > tried[at].vectors => {
+                        match trials.force(&projection.leading(wanted)) {
+                            Ok(trial) => tried.push(Tried { vectors: wanted, trial }),
                             Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
                             Err(_) => {}
                         }
-                        tried.iter().position(|tried| tried.vectors == largest_smaller)
+                        tried.iter().position(|tried| tried.vectors == wanted)
                     }
-                    judged => judged,
+                    (judged, _) => judged,
                 };
                 if let Some(judge) = judged.or(tried.len().checked_sub(1).filter(|_| enough)) {
                     let Tried { vectors: smaller, trial: judge } = &mut tried[judge];
@@ -276,16 +290,25 @@ pub fn reduce_from(
         count = match last {
             _ if given.is_some() => larger(count),
             _ if tried.len() < 2 && count <= first => second,
-            // A long basis is costly. It grows as its error requires, which falls with the number of vectors to the
-            // power `order`.
-            Some(Judged { error, wanted, .. }) if count >= LONG_BASIS => {
-                let order = if start.leaves_short_waves { ORDER } else { 2.0 };
-                let needed = count as f64 * (error / wanted).powf(1.0 / order);
-                (needed.ceil() as usize).clamp((BASIS_GROWTH * count as f64).ceil() as usize, larger(count))
-            }
-            _ => (BASIS_GROWTH * count as f64).ceil() as usize,
+            Some(judged) => next_count(judged, count, order),
+            None => (BASIS_GROWTH * count as f64).ceil() as usize,
         };
     }
+}
+
+/// Number of vectors with the wanted error, if the error falls with the number of vectors to the power `order`.
+fn vectors_needed(Judged { vectors, error, wanted }: Judged, order: f64) -> usize {
+    (vectors as f64 * (error / wanted).powf(1.0 / order)).ceil() as usize
+}
+
+/// Number of vectors of the next basis after one of `count` vectors.
+fn next_count(judged: Judged, count: usize, order: f64) -> usize {
+    let needed = vectors_needed(judged, order);
+    let next = if judged.vectors < count { larger(needed) } else { needed };
+    let least = (BASIS_GROWTH * count as f64).ceil() as usize;
+    let is_few_or_long = !(MANY_VECTORS..LONG_BASIS).contains(&count);
+    let most = if is_few_or_long { larger(count) } else { (LARGEST_BASIS_GROWTH * count as f64) as usize };
+    next.clamp(least, most.max(least))
 }
 
 /// Settings of the error estimate of a basis.
@@ -362,6 +385,7 @@ impl Rule<'_> {
         let error = rule.errors(difference);
         let over = watch.agreed(error.of(scene.measure) / wanted);
         let judged = Judged { vectors: if takes_smaller { smaller } else { vectors }, error: over * wanted, wanted };
+        tracing::debug!(vectors, smaller, error = judged.error, wanted, "bases compared");
         Judgement { difference, rule, error, is_met: over <= 1.0, takes_smaller, judged }
     }
 
@@ -405,8 +429,13 @@ impl Plan {
     pub(super) fn new(body: &dyn LinearBody, scene: &Scene) -> Self {
         // A basis must not depend on the end time of a run that may be continued.
         let end = if scene.time.modal { scene.time.end } else { f64::INFINITY };
-        let short =
-            Self { start: Start { end, ..Start::from(rate(scene)) }, vectors: FIRST_VECTORS, has_echoes: false };
+        let in_blocks = scene.tolerance >= LEAST_TOLERANCE_OF_BLOCKS;
+        let may_be_long = body.unknowns() >= LEAST_UNKNOWNS_OF_BLOCKS;
+        let short = Self {
+            start: Start { end, in_blocks: in_blocks && may_be_long, ..Start::from(rate(scene)) },
+            vectors: FIRST_VECTORS,
+            has_echoes: false,
+        };
         // Separate outgoing waves are not available for viscoelastic bodies either.
         let is_bound = body.is_on_foundations() || !body.chains().is_empty();
         let plate = body.infinite_plate().filter(|_| !is_bound);
@@ -414,7 +443,6 @@ impl Plan {
         let Some(LongWaves { frequency, vectors }) = plate.and_then(|plate| LongWaves::of(scene, plate, most)) else {
             return short;
         };
-        let in_blocks = scene.tolerance >= LEAST_TOLERANCE_OF_BLOCKS;
         let start = Start { shift: SHIFT_OVER_CUTOFF * frequency, end, leaves_short_waves: true, in_blocks };
         let has_echoes = plate.is_some_and(|plate| plate.rectangle.is_some());
         // The first basis is the smaller one in the comparison with the second, if there are two.

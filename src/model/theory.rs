@@ -111,8 +111,7 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
 /// # Errors
 /// A fault of `body.model` if the theory does not admit the scene; the errors of meshes; or if a PETSc call fails.
 pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn Watch) -> Result<Built> {
-    let mut spline_settings = spline::Settings::new(scene.tolerance);
-    spline_settings.cell_size_factor *= size;
+    let spline_settings = spline_settings(scene, size);
     let is_of_splines = matches!(theory, Model::Auto | Model::Solid) && is_of_splines(scene);
     let seconds = match theory {
         _ if is_of_splines => SPLINE_SECONDS * spline::unknowns(scene, &spline_settings).unwrap_or_default(),
@@ -226,6 +225,12 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Resul
     Ok(Built::Operators(Operators { cell_over_disc, ..operators }))
 }
 
+fn spline_settings(scene: &Scene, size: f64) -> spline::Settings {
+    let mut settings = spline::Settings::new(scene.tolerance);
+    settings.cell_size_factor *= size;
+    settings
+}
+
 fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate::Settings> {
     let mut settings = plate::Settings::new(scene.tolerance, theory);
     settings.cell_size_factor *= size;
@@ -246,13 +251,14 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
     Ok(settings)
 }
 
-/// The numbers of cells that [`build`] would give a plate, as [`Operators::cells`]; `None` for other theories, and if
-/// it would fail.
-pub(super) fn cells_of_plate(scene: &Scene, theory: Model, size: f64) -> Option<[usize; 3]> {
+/// The numbers of cells that [`build`] would give a body on a grid, as [`Operators::cells`]; `None` for other theories
+/// and meshes, and if it would fail.
+pub(super) fn cells_of_grid(scene: &Scene, theory: Model, size: f64) -> Option<[usize; 3]> {
     let theory = match theory {
         Model::Kirchhoff => PlateTheory::Kirchhoff,
         Model::Mindlin => PlateTheory::Mindlin,
         Model::Layerwise => layerwise(scene),
+        Model::Solid if is_of_splines(scene) => return spline::cells(scene, &spline_settings(scene, size)),
         Model::Auto | Model::Solid | Model::HalfSpace | Model::InfinitePlate => return None,
     };
     let [x, y] = Plate::cells(scene, theory, &plate_settings(scene, theory, size).ok()?).ok()?;

@@ -81,6 +81,19 @@ pub fn unknowns(scene: &Scene, settings: &Settings) -> Option<f64> {
     Some(cells::unknowns(&geometry, scene, &patch, settings.cell_size_factor))
 }
 
+/// Numbers of cells of [`SplineSolid::new`] for a scene along the axes; `None` if it would refuse the scene.
+pub fn cells(scene: &Scene, settings: &Settings) -> Option<[usize; 3]> {
+    let geometry = BoxGeometry::new(scene).ok()?;
+    let patch = PatchModel::new(&geometry, scene).ok()?;
+    let lines = cells::lines(&geometry, scene, &patch, settings.cell_size_factor).ok()?;
+    Some(lines.each_ref().map(|lines| count(lines)))
+}
+
+/// Number of cells between lines, some of which may be repeated.
+fn count(lines: &[f64]) -> usize {
+    lines.windows(2).filter(|pair| pair[0] < pair[1]).count()
+}
+
 impl SplineSolid {
     /// Builds the spline model of a scene's box.
     ///
@@ -95,7 +108,7 @@ impl SplineSolid {
         let geometry = BoxGeometry::new(scene).map_err(fault)?;
         let patch = PatchModel::new(&geometry, scene)?;
         let lines = cells::lines(&geometry, scene, &patch, settings.cell_size_factor).map_err(fault)?;
-        let cells = lines.each_ref().map(|lines| lines.windows(2).filter(|pair| pair[0] < pair[1]).count());
+        let cells = lines.each_ref().map(|lines| count(lines));
         let description = Description::new(scene);
         let tensor = tensor(&lines, &inner(&geometry.interfaces), patch.bends.then_some(geometry.struck));
         let parts = &description.parts;
