@@ -64,45 +64,50 @@ def halton(number, base):
     return value
 
 
+class Draw:
+    """Values that one number of the sequence gives."""
+
+    def __init__(self, number):
+        self.number = number
+        self.material = list(MATERIALS)[number % len(MATERIALS)]
+
+    def between(self, base, low, high):
+        """A value between two limits, as likely in equal ratios."""
+        return float(f"{low * (high / low) ** halton(self.number, base):.1e}")
+
+    def one_of(self, base, of):
+        """One of some values."""
+        return of[int(halton(self.number, base) * len(of))]
+
+    def scene(self, size, edges, point):
+        """A body of a size, hit by 3% to twice its mass."""
+        weight = MATERIALS[self.material][2] * size[0] * size[1] * size[2]
+        mass = float(f"{weight * 0.03 * (2 / 0.03) ** halton(self.number, 5):.1e}")
+        return Scene(size, self.one_of(13, edges), mass, self.between(7, 0.005, 0.1), self.between(11, 0.2, 10), point, self.material)
+
+
 def drawn(number):
-    """A scene by Halton's sequence: plates of 4.5 to 16 thicknesses, hit by 3% to twice their mass; one in three off its middle."""
-
-    def between(base, low, high):
-        return float(f"{low * (high / low) ** halton(number, base):.1e}")
-
-    def one_of(base, of):
-        return of[int(halton(number, base) * len(of))]
-
-    edge = between(3, 0.12, 1.2)
+    """A plate by Halton's sequence: 4.5 to 16 thicknesses; one in three is hit off its middle."""
+    draw = Draw(number)
+    edge = draw.between(3, 0.12, 1.2)
     thickness = float(f"{edge / (4.5 * (16 / 4.5) ** halton(number, 2)):.2g}")
-    size = (edge, float(f"{edge * one_of(17, (1.0, 1.0, 0.7)):.2g}"), thickness)
-    material = list(MATERIALS)[number % len(MATERIALS)]
-    weight = MATERIALS[material][2] * size[0] * size[1] * thickness
-    mass = float(f"{weight * 0.03 * (2 / 0.03) ** halton(number, 5):.1e}")
+    size = (edge, float(f"{edge * draw.one_of(17, (1.0, 1.0, 0.7)):.2g}"), thickness)
     places = ((0.0, 0.0),) * 4 + ((0.2, 0.0), (0.15, 0.1))
-    point = tuple(float(f"{part * side:.2g}") for part, side in zip(one_of(19, places), size))
-    edges = ("free", 1e8, 1e10, "held", "clamped")
-    return Scene(size, one_of(13, edges), mass, between(7, 0.005, 0.1), between(11, 0.2, 10), point, material)
+    point = tuple(float(f"{part * side:.2g}") for part, side in zip(draw.one_of(19, places), size))
+    return draw.scene(size, ("free", 1e8, 1e10, "held", "clamped"), point)
 
 
-def block(number):
-    """A block by the same sequence, with edges of 1.3 to 4 thicknesses, hit in the middle by 3% to twice its mass."""
+def thick_box(number, off_centre=False):
+    """A thick box by the same sequence, with edges of 1.3 to 4 thicknesses, hit in the middle or beside it."""
+    draw = Draw(number)
+    thickness = draw.between(3, 0.03, 0.15)
 
-    def between(base, low, high):
-        return float(f"{low * (high / low) ** halton(number, base):.2g}")
+    def edge(base):
+        return float(f"{thickness * 1.3 * (4 / 1.3) ** halton(number, base):.2g}")
 
-    def one_of(base, of):
-        return of[int(halton(number, base) * len(of))]
-
-    thickness = between(3, 0.03, 0.15)
-    edge = float(f"{thickness * 1.3 * (4 / 1.3) ** halton(number, 2):.2g}")
-    other = edge if one_of(17, (True, False, False)) else float(f"{thickness * 1.3 * (4 / 1.3) ** halton(number, 23):.2g}")
-    size = (edge, other, thickness)
-    material = list(MATERIALS)[number % len(MATERIALS)]
-    weight = MATERIALS[material][2] * size[0] * size[1] * thickness
-    mass = float(f"{weight * 0.03 * (2 / 0.03) ** halton(number, 5):.2g}")
-    edges = ("free", 1e9, 1e10, "held", "clamped")
-    return Scene(size, one_of(13, edges), mass, between(7, 0.005, 0.1), between(11, 0.2, 10), (0.0, 0.0), material)
+    size = (edge(2), edge(2) if draw.one_of(17, (True, False, False)) else edge(23), thickness)
+    point = tuple(float(f"{part * side:.2g}") for part, side in zip((0.12, 0.07), size)) if off_centre else (0.0, 0.0)
+    return draw.scene(size, ("free", 1e9, 1e10, "held", "clamped"), point)
 
 
 def listed(size, edge, mass, radius, speed, point=(0.0, 0.0), material="glass"):
@@ -126,8 +131,8 @@ SLOW = {32, 33, 34, 67, 36, 37, 13, 15, 18, 51, 52, 53, 54, 55, 56, 63, 183, 184
 FITTED = 60
 NOT_FITTED = [drawn(number) for number in range(170, 222) if number not in SLOW]
 PLATES = LISTED + [drawn(number) for number in range(1, 69) if number not in SLOW] + NOT_FITTED
-# Blocks, which are solids. The factors for few cells were fitted to the first sixty of their sequence.
-SCENES = PLATES + [block(number) for number in range(61, 111)]
+# Thick boxes, which are solids. The factors for few cells were fitted to the first sixty of their sequence.
+SCENES = PLATES + [thick_box(number) for number in range(61, 101)] + [thick_box(number, off_centre=True) for number in range(101, 111)]
 # Scenes whose tension is compared with solids that have the force on narrower discs.
 WITH_TENSION_REFERENCE = {1, 2, 3, 9, 10, 11, 12, 14, 15, 16, 17, 21, 23, 27, 28, 31, 33, 34, 37, 40, 44, 46, 47, 49, 50, 51, 52, 53, 59, 60}
 WITH_TENSION_REFERENCE |= {number for number, scene in enumerate(PLATES, 1) if number > FITTED and scene.edge != "clamped"}

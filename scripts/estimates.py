@@ -98,7 +98,7 @@ class Runs:
         return references
 
     def theories(self):
-        """The theories that are judged: blocks are no plates."""
+        """The theories that are judged: thick boxes are no plates."""
         return THEORIES if self.number <= len(PLATES) else {"solid": "solid"}
 
     def end(self):
@@ -164,7 +164,7 @@ def tables(rows, document):
     groups = {
         "yes": lambda number: number <= FITTED,
         "no": lambda number: FITTED < number <= len(PLATES),
-        "no, blocks": lambda number: number > len(PLATES),
+        "no, thick boxes": lambda number: number > len(PLATES),
     }
     lines = []
     for quantity, model, (name, is_in) in itertools.product(QUANTITIES, THEORIES, groups.items()):

@@ -90,12 +90,12 @@ impl Krylov {
         pushed.iter().for_each(|pushed| starts.push(pushed));
         starts.zero_rows(held);
         let is_alone = starts.count() == 1;
-        let is_at_one_shift = rates(&body.chains(), shift, end).len() == 1;
-        let may_recur = in_blocks && !is_damped && is_at_one_shift && is_alone && rest.is_none();
+        let rates = rates(&body.chains(), shift, end);
+        let may_recur = in_blocks && !is_damped && rates.len() == 1 && is_alone && rest.is_none();
         // Single-precision vectors are orthogonalised in the end, and their rounding is small compared with a tolerance
         // that allows blocks.
         let precision = if may_recur { Precision::Single } else { Precision::Double };
-        let shifts = Shift::all(body, (shift, end), precision)?;
+        let shifts = Shift::all(body, &rates, precision)?;
         let source = |number| Source::new(starts.range(number..number + 1), shifts.len());
         let sources: Vec<Source> = (0..starts.count()).map(source).collect();
         if sources[0].is_exhausted() {

@@ -47,14 +47,13 @@ pub(super) struct Shift {
 }
 
 impl Shift {
-    /// Returns the shifts of a body, the given one (1/s) first, for a run of length `end` (s). Factorises S at each
-    /// shift, with the given precision if the body is small. Collective.
+    /// Returns the shifts of a body at the given rates (1/s, from [`rates`]). Factorises S at each shift, with the given
+    /// precision if the body is small. Collective.
     ///
     /// # Errors
     /// Same as [`LinearBody::solver`].
-    pub fn all(body: &dyn LinearBody, (first, end): (f64, f64), precision: Precision) -> Result<Vec<Self>> {
-        let at = |rate| Ok(Self { rate, solver: body.solver(rate, precision)? });
-        rates(&body.chains(), first, end).into_iter().map(at).collect()
+    pub fn all(body: &dyn LinearBody, rates: &[f64], precision: Precision) -> Result<Vec<Self>> {
+        rates.iter().map(|&rate| Ok(Self { rate, solver: body.solver(rate, precision)? })).collect()
     }
 }
 

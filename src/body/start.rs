@@ -10,8 +10,9 @@ pub struct Start {
     /// Whether the basis of a plate is made for its long waves only, where this is useful
     /// ([`InfinitePlate`](super::InfinitePlate)).
     pub leaves_short_waves: bool,
-    /// Whether vectors may be orthogonalised in blocks, by a Lanczos recurrence, if the body is small and elastic. This
-    /// is faster for long bases, with slightly more rounding in the last vectors.
+    /// Whether vectors may be orthogonalised in blocks, by a Lanczos recurrence, if each process stores the whole body and
+    /// the body has a single shift and no dampers. This is faster for long bases, with slightly more rounding in the
+    /// last vectors.
     pub in_blocks: bool,
 }
 

@@ -16,7 +16,7 @@ use crate::body::{DirectSum, InfinitePlate, ModalBody};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
-use crate::scene::{Measure, Model, Scene};
+use crate::scene::{Measure, Model, Scene, Symmetry};
 use crate::space::evaluate::{Evaluator, TensionErrors};
 use crate::space::plate::crossing;
 
@@ -72,19 +72,19 @@ const LOCAL_FIELD_FACTOR: f64 = 2.5;
 const FEWEST_COARSER_CELLS: usize = 3;
 const LARGEST_FACTOR_TO_COARSER: f64 = 1.0;
 
-/// The same least number for solids. With three coarser cells along an edge, a block had 3.5 times the error that the
-/// comparison showed.
-const FEWEST_COARSER_CELLS_OF_SOLIDS: usize = 4;
+/// Least number of coarser cells between the impact point and each edge with which a solid is compared. With three
+/// of them in a thick box, the estimate was 0.3 of the error of the cells.
+const FEWEST_COARSER_CELLS_OF_SOLIDS: f64 = 4.0;
 
 /// Least ratio of the numbers of those finer cells to the others along each edge.
 const FINER_RATIO_IF_FEW: f64 = 1.5;
 
-/// Error of a plate with few cells over its difference from the finer cells. Measured on sixty plates: 1.05 to 2.1. An
+/// Error on few cells over the difference from the finer cells. Measured on sixty plates: 1.05 to 2.1. An
 /// error that is proportional to the cube of the cell size would be 1.4 of the difference.
 const ERROR_FACTOR_IF_FEW: f64 = 2.2;
 
-/// The same factor for a solid with at most two cells along an edge of the impacted face. The error was measured to be
-/// at most 2.9 of the difference on 110 blocks, and with more cells at most 1.5 of it.
+/// The same factor for a solid with at most two cells between the impact point and an edge. On sixty thick boxes the error
+/// was measured to be at most 2.6 of the difference, and with more cells at most 1.5 of it.
 const ERROR_FACTOR_OF_TWO_CELLS: f64 = 3.0;
 
 /// Factor from one size to the next in the search for such cells.
@@ -159,17 +159,20 @@ impl Judge {
     /// Estimated errors on `cells`, from the difference between the forces on `cells` and on these cells.
     pub fn errors(&self, cells: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
         let is_finer = (0..3).all(|axis| self.cells[axis] >= cells[axis]) && self.cells != cells;
-        let fewest = along_face(scene, theory, cells).map(|axis| cells[axis]).min();
-        let of_difference = match (theory, fewest) {
-            (Model::Solid, Some(..=2)) => ERROR_FACTOR_OF_TWO_CELLS,
-            _ => ERROR_FACTOR_IF_FEW,
-        };
-        if is_finer { of_difference * difference } else { self.errors_of_finer(cells, scene, theory, difference) }
+        if !is_finer {
+            return self.errors_of_finer(cells, scene, theory, difference);
+        }
+        let has_two = || along_face(scene, theory, cells).any(|axis| cells_from_hit(scene, cells, axis) <= 2.0);
+        let of_difference =
+            if theory == Model::Solid && has_two() { ERROR_FACTOR_OF_TWO_CELLS } else { ERROR_FACTOR_IF_FEW };
+        of_difference * difference
     }
 
     /// Estimated errors on finer cells, from their difference from these cells.
     fn errors_of_finer(&self, finer: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
-        let of_difference = self.of_difference(finer, scene, theory);
+        // There are no finer cells to compare with.
+        let is_unreliable = theory == Model::Solid && is_unreliable(scene, theory, self.cells, finer);
+        let of_difference = if is_unreliable { LARGEST_FACTOR } else { self.of_difference(finer, scene, theory) };
         let mut errors = of_difference * difference;
         let is_finer_across = |axis: usize| theory == Model::Solid && self.cells[axis] < finer[axis];
         if scene.struck_axis().is_some_and(is_finer_across) {
@@ -354,11 +357,13 @@ pub fn refine(
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
         fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
-        judge = match is_unreliable(scene, theory, coarser.cells, cells)
-            .then(|| finer_size(scene, theory, &fine))
-            .flatten()
-        {
-            Some(size) => on_cells_of(comm, scene, theory, &fine, size, watch)?.or(Some(coarser)),
+        let is_few = is_unreliable(scene, theory, coarser.cells, cells);
+        judge = match finer_size_if(is_few, scene, theory, &fine, watch) {
+            Some(size) => match on_cells_of(comm, scene, theory, &fine, size, watch) {
+                Ok(judge) => judge.or(Some(coarser)),
+                Err(Error::Solve(_)) => Some(coarser),
+                Err(error) => return Err(error),
+            },
             None => Some(coarser),
         };
     }
@@ -406,21 +411,27 @@ pub(super) fn fitted(
     Ok(fitted)
 }
 
-/// The force on coarser cells, or on finer ones if a plate's coarser cells would be few; `None` if there are no other
-/// cells.
+/// The force on coarser cells, or on finer ones if a comparison with coarser cells would be unreliable; `None` if there
+/// are no other cells.
 fn judge_of(comm: &Comm, scene: &Scene, theory: Model, fitted: &Fitted, watch: &dyn Watch) -> Result<Option<Judge>> {
     let coarser = cells_of_grid(scene, theory, COARSER_CELL_FACTOR * fitted.size);
     let is_few = fitted.cells.zip(coarser).is_some_and(|(cells, coarser)| match theory {
         Model::Solid => is_unreliable(scene, theory, coarser, cells),
         _ => are_few(cells, coarser),
     });
-    match is_few.then(|| finer_size(scene, theory, fitted)).flatten() {
+    match finer_size_if(is_few, scene, theory, fitted, watch) {
         Some(size) => on_cells_of(comm, scene, theory, fitted, size, watch),
         None => on_coarser_cells(comm, scene, theory, fitted, watch),
     }
 }
 
-/// Size of finer cells with which a plate of few cells is compared.
+/// Size of finer cells for a comparison, if there are few cells. The same on all ranks. Collective.
+fn finer_size_if(is_few: bool, scene: &Scene, theory: Model, fitted: &Fitted, watch: &dyn Watch) -> Option<f64> {
+    let size = is_few.then(|| finer_size(scene, theory, fitted)).flatten();
+    Some(watch.agreed(size.unwrap_or(f64::NAN))).filter(|size| !size.is_nan())
+}
+
+/// Size of finer cells with which few cells are compared.
 fn finer_size(scene: &Scene, theory: Model, fitted: &Fitted) -> Option<f64> {
     let cells = fitted.cells?;
     let is_finer = |finer: [usize; 3]| {
@@ -445,13 +456,21 @@ pub(super) fn are_few(cells: [usize; 3], coarser: [usize; 3]) -> bool {
     fewest < FEWEST_COARSER_CELLS || ratio(&axes).powf(order) - 1.0 < LARGEST_FACTOR_TO_COARSER.recip()
 }
 
-/// Whether coarser cells are too few for any comparison with `cells`; for a solid, also whether they are as many along
-/// an edge of the impacted face.
+/// Whether a comparison of `cells` with coarser ones is unreliable: there are too few of these along an edge of the
+/// impacted face, or, for a solid, no fewer than of the others.
 fn is_unreliable(scene: &Scene, theory: Model, coarser: [usize; 3], cells: [usize; 3]) -> bool {
     along_face(scene, theory, cells).any(|axis| match theory {
-        Model::Solid => coarser[axis] < FEWEST_COARSER_CELLS_OF_SOLIDS || coarser[axis] >= cells[axis],
+        Model::Solid => {
+            cells_from_hit(scene, coarser, axis) < FEWEST_COARSER_CELLS_OF_SOLIDS || coarser[axis] >= cells[axis]
+        }
         _ => coarser[axis] < FEWEST_COARSER_CELLS,
     })
+}
+
+/// Number of cells between the impact point and an edge: half of the cells, if both halves of the edge are modelled.
+fn cells_from_hit(scene: &Scene, cells: [usize; 3], axis: usize) -> f64 {
+    let is_halved = matches!(scene.body.symmetry, Symmetry::Quarter { axes } if axes.contains(&axis));
+    cells[axis] as f64 * if is_halved { 1.0 } else { 0.5 }
 }
 
 /// Axes along the impacted face; those of a plate have several cells.

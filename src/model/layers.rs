@@ -28,11 +28,11 @@ use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
 
-/// The elastic layerwise plate that is compared with one without shear.
+/// The elastic layerwise plate. Its difference from the plate of [`build_thin`] gives the error of the theory.
 enum Thick {
-    /// On the cells and the basis of the scene's tolerance.
+    /// On cells and a basis for the scene's tolerance.
     Whole(Fitted),
-    /// On coarser cells, reduced to the basis of a rough tolerance.
+    /// On coarser cells, and on a basis for a rough tolerance.
     Coarser { operators: Operators, reduced: Reduced },
 }
 
@@ -102,20 +102,21 @@ pub(super) fn layered(
     } else {
         passed.push(judged);
     }
+    let (whole, coarser) = match thick {
+        Thick::Whole(thick) => (Some(thick).filter(|_| left.tolerance == tolerance), None),
+        Thick::Coarser { operators, reduced } => (None, Some((operators, reduced.counts()))),
+    };
     let model = if elastic_cells::serves(scene, Theory::Layerwise) {
-        let coarser = match thick {
-            Thick::Coarser { operators, reduced } => Some((operators, reduced.counts())),
-            Thick::Whole(_) => None,
-        };
         let operators = layerwise(&left, 1.0)?;
         let fitted = elastic_cells::fit(comm, &left, Theory::Layerwise, operators, coarser, watch)?;
         Model::on_basis(comm, scene, Theory::Layerwise, fitted)?
     } else if scene.time.modal {
-        let coarse = match thick {
-            Thick::Whole(thick) if left.tolerance == tolerance => thick,
-            _ => unrefined(comm, &left, layerwise(&left, 1.0)?, watch)?,
+        drop(coarser);
+        let on_first_cells = match whole {
+            Some(thick) => thick,
+            None => unrefined(comm, &left, layerwise(&left, 1.0)?, watch)?,
         };
-        let fitted = refine(comm, &left, Theory::Layerwise, coarse, Errors::default(), watch)?;
+        let fitted = refine(comm, &left, Theory::Layerwise, on_first_cells, Errors::default(), watch)?;
         Model::on_basis(comm, scene, Theory::Layerwise, fitted)?
     } else {
         Model::of(comm, &left, Theory::Layerwise, watch)?

@@ -59,10 +59,15 @@ const LONG_BASIS: usize = 256;
 /// Least growth factor of the number of vectors from one basis to the next.
 const BASIS_GROWTH: f64 = 1.225;
 
-/// Largest growth factor of bases with at least [`MANY_VECTORS`]. The error of shorter bases often falls faster than the
-/// order says, and they grow less at once.
+/// Largest growth factor of bases of [`MANY_VECTORS`] up to [`LONG_BASIS`] vectors. Shorter bases grow by less, because
+/// their error often falls faster than predicted.
 const LARGEST_BASIS_GROWTH: f64 = 2.0;
+
+/// Number of vectors from which a basis may grow by that factor.
 const MANY_VECTORS: usize = 30;
+
+/// Largest predicted growth factor of any basis.
+const MOST_PREDICTED_GROWTH: f64 = 100.0;
 
 /// Order of convergence in the number of vectors, if short waves are not treated separately.
 const ORDER_OF_ALL_WAVES: f64 = 2.0;
@@ -82,9 +87,9 @@ const HISTORY_BASIS_FRACTION: f64 = 0.875;
 /// for 1e-4 a pane took 363 vectors instead of 296.
 const LEAST_TOLERANCE_OF_BLOCKS: f64 = 1e-3;
 
-/// Least number of unknowns for which bases with all waves are orthogonalised in blocks. Those of smaller bodies are
-/// short, and blocks save no time.
-const LEAST_UNKNOWNS_OF_BLOCKS: usize = 2000;
+/// Least number of unknowns for which bases with all waves are orthogonalised in blocks. Smaller bodies need few
+/// vectors, so that blocks save no time.
+const LEAST_UNKNOWNS_OF_LANCZOS_BLOCKS: usize = 2000;
 
 /// Number of vectors added to the basis of a small body between two checks for interruption, per symmetry class.
 const VECTORS_PER_CHECK: usize = 32;
@@ -186,6 +191,7 @@ pub fn reduce_from(
     let mut tried: Vec<Tried> = Vec::new();
     let mut trials = Trials::new(comm, scene, watch);
     let relaxes = !body.chains().is_empty();
+    let is_smaller_used = !(start.leaves_short_waves || relaxes);
     let order = if start.leaves_short_waves { ORDER } else { ORDER_OF_ALL_WAVES };
     let mut last: Option<Judged> = None;
     // Number of vectors of the last smaller basis that was compared and not accurate enough, if the smaller one would
@@ -222,9 +228,11 @@ pub fn reduce_from(
                 let judged = (0..tried.len()).filter(|at| may_judge(&tried[*at])).max_by_key(|at| tried[*at].vectors);
                 // A basis that was not accurate enough is not compared again. One with as many vectors as its error
                 // requires takes its place.
-                let wanted = failed.zip(last).filter(|(failed, _)| *failed < smaller_of(count));
-                let wanted =
-                    wanted.map(|(failed, last)| vectors_needed(last, order).clamp(failed + 1, smaller_of(count)));
+                let most = smaller_of(count);
+                let wanted = failed.filter(|failed| *failed < most).map(|failed| {
+                    let least = ((BASIS_GROWTH * failed as f64).ceil() as usize).min(most);
+                    last.map_or(most, |last| vectors_needed(last, order).clamp(least, most))
+                });
                 let judged = match (judged, wanted) {
                     (Some(at), Some(wanted)) if wanted > tried[at].vectors => {
                         match trials.force(&projection.leading(wanted)) {
@@ -238,7 +246,6 @@ pub fn reduce_from(
                 };
                 if let Some(judge) = judged.or(tried.len().checked_sub(1).filter(|_| enough)) {
                     let Tried { vectors: smaller, trial: judge } = &mut tried[judge];
-                    let is_smaller_used = !(start.leaves_short_waves || relaxes);
                     failed = is_smaller_used.then_some(*smaller);
                     let rule = Rule { scene, watch, start, vectors: count, smaller: *smaller, relaxes };
                     let judgement = match rule.judge_on(&projection, [judge, &mut trial], &mut trials, enough) {
@@ -290,7 +297,7 @@ pub fn reduce_from(
         count = match last {
             _ if given.is_some() => larger(count),
             _ if tried.len() < 2 && count <= first => second,
-            Some(judged) => next_count(judged, count, order),
+            Some(judged) => next_count(judged, (count, is_smaller_used), order),
             None => (BASIS_GROWTH * count as f64).ceil() as usize,
         };
     }
@@ -298,16 +305,18 @@ pub fn reduce_from(
 
 /// Number of vectors with the wanted error, if the error falls with the number of vectors to the power `order`.
 fn vectors_needed(Judged { vectors, error, wanted }: Judged, order: f64) -> usize {
-    (vectors as f64 * (error / wanted).powf(1.0 / order)).ceil() as usize
+    // The bound keeps the number finite.
+    (vectors as f64 * (error / wanted).powf(1.0 / order).min(MOST_PREDICTED_GROWTH)).ceil() as usize
 }
 
-/// Number of vectors of the next basis after one of `count` vectors.
-fn next_count(judged: Judged, count: usize, order: f64) -> usize {
+/// Number of vectors of the next basis after one of `count` vectors. If the smaller of two bases is used, it must be
+/// accurate enough.
+fn next_count(judged: Judged, (count, is_smaller_used): (usize, bool), order: f64) -> usize {
     let needed = vectors_needed(judged, order);
-    let next = if judged.vectors < count { larger(needed) } else { needed };
+    let next = if is_smaller_used { larger(needed) } else { needed };
     let least = (BASIS_GROWTH * count as f64).ceil() as usize;
-    let is_few_or_long = !(MANY_VECTORS..LONG_BASIS).contains(&count);
-    let most = if is_few_or_long { larger(count) } else { (LARGEST_BASIS_GROWTH * count as f64) as usize };
+    let may_double = is_smaller_used && (MANY_VECTORS..LONG_BASIS).contains(&count);
+    let most = if may_double { (LARGEST_BASIS_GROWTH * count as f64) as usize } else { larger(count) };
     next.clamp(least, most.max(least))
 }
 
@@ -430,7 +439,7 @@ impl Plan {
         // A basis must not depend on the end time of a run that may be continued.
         let end = if scene.time.modal { scene.time.end } else { f64::INFINITY };
         let in_blocks = scene.tolerance >= LEAST_TOLERANCE_OF_BLOCKS;
-        let may_be_long = body.unknowns() >= LEAST_UNKNOWNS_OF_BLOCKS;
+        let may_be_long = body.unknowns() >= LEAST_UNKNOWNS_OF_LANCZOS_BLOCKS;
         let short = Self {
             start: Start { end, in_blocks: in_blocks && may_be_long, ..Start::from(rate(scene)) },
             vectors: FIRST_VECTORS,

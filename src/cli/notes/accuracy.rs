@@ -140,7 +140,9 @@ fn remedy(part: &str, scene: &Scene) -> &'static str {
         }
         "patch" => "finer cells at the impact point",
         "theory" if scene.body.model != Theory::Solid && spline::admits(scene).is_ok() => "body.model = \"solid\"",
-        "theory" if scene.body.model != Theory::Solid => "body.model = \"solid\" with body.cells that are fine enough",
+        "theory" if scene.body.model != Theory::Solid => {
+            "body.model = \"solid\" on a fine mesh by body.cells, whose error is not estimated"
+        }
         _ => "a smaller accuracy.tolerance",
     }
 }

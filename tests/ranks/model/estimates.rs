@@ -1,5 +1,5 @@
 //! Estimated errors of the acceleration in the first contact are compared with true errors, for the cheapest and
-//! hardest of the impacts of scripts/estimates: thick plates on grids of few cells, clamped ones, and blocks.
+//! hardest of the impacts of scripts/estimates: thick plates on grids of few cells, clamped ones, and thick boxes.
 
 use crate::modelled::{Ran, run};
 use mpi_test::{Test, tests};
@@ -9,12 +9,12 @@ use petsc_wrap::{Comm, Session};
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
     estimates_are_above_the_errors_of_cells_basis_and_steps,
-    estimates_for_blocks_are_above_the_errors,
+    estimates_for_thick_boxes_are_above_the_errors,
     a_contact_without_echoes_is_within_its_estimate,
     half_the_disc_changes_less_than_is_estimated,
 ];
 
-/// An impact in the centre of a plate or a block, which ends shortly before the end of its first contact.
+/// An impact in the centre of a plate or a thick box, which ends shortly before the end of its first contact.
 struct Case {
     body: &'static str,
     support: &'static str,
@@ -53,8 +53,8 @@ const CASES: [Case; 4] = [
     },
 ];
 
-/// Blocks with two to four cells along the edges.
-const BLOCKS: [Case; 3] = [
+/// Thick boxes with two to four cells along the edges.
+const THICK_BOXES: [Case; 3] = [
     Case {
         body: "young = 70e9\npoisson = 0.33\ndensity = 2700\nsize = [0.061, 0.089, 0.038]",
         support: CLAMPED,
@@ -115,10 +115,10 @@ fn estimates_are_above_the_errors_of_cells_basis_and_steps(session: &Session) {
 
 /// Coarser cells would be as many as the others along one edge, or two. In comparison with them, the estimates would be
 /// 0.3 to 0.7 of the errors.
-fn estimates_for_blocks_are_above_the_errors(session: &Session) {
+fn estimates_for_thick_boxes_are_above_the_errors(session: &Session) {
     let comm = session.world();
-    for (number, case) in BLOCKS.iter().enumerate() {
-        check(&comm, &format!("block {number}"), case, &["solid"]);
+    for (number, case) in THICK_BOXES.iter().enumerate() {
+        check(&comm, &format!("thick box {number}"), case, &["solid"]);
     }
 }
 
