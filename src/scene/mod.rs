@@ -185,6 +185,12 @@ impl Scene {
         self.struck_axis().is_some_and(|struck| self.supports.iter().any(|support| support.clamps_sections(struck)))
     }
 
+    /// Whether a support is on the impacted face of a box or on the face opposite.
+    pub fn has_support_across(&self) -> bool {
+        let is_across = |surface: &str| faces(surface).iter().any(|(axis, _)| Some(*axis) == self.struck_axis());
+        self.supports.iter().any(|support| is_across(&support.surface))
+    }
+
     /// Whether a point of a plate is within half a thickness of an edge with clamped in-plane displacements. Stresses
     /// of a solid are singular there.
     pub fn is_at_clamped_edge(&self, point: Vec3) -> bool {

@@ -179,6 +179,10 @@ fn what_has_no_estimate_is_told() {
         said.stdout.contains("m, without an estimate of its error: the hit is less than a thickness from an edge"),
         "{said:?}"
     );
+    let below = "run scene.toml -o below.h5 --set body.model=solid --set body.size=[0.2,0.2,0.02] --set support.0.surface=bottom \
+                 --set accuracy.tolerance=0.1 --set time.end=1e-4";
+    let said = good(&folder, 0, below);
+    assert!(said.stdout.contains("without an estimate of its error: a support is on the face that is hit"), "{said:?}");
     // Schemes other than modal coordinates do not estimate the error of the cells.
     let other = "run scene.toml -o newmark.h5 --set time.scheme=newmark --set time.step=2e-6 --set time.end=2e-4";
     let said = good(&folder, 0, other);

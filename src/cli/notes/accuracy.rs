@@ -160,6 +160,9 @@ pub fn why_unestimated(scene: &Scene, largest: &LargestTension) -> String {
     } else if scene.distance_to_edge().is_some_and(|distance| distance < thickness) {
         "the hit is less than a thickness from an edge, and the local stresses under the contact are not added there"
             .to_owned()
+    } else if scene.has_support_across() {
+        "a support is on the face that is hit or on the one opposite, and the local stresses under the contact are not added then"
+            .to_owned()
     } else {
         "only plates and spline solids in modal coordinates have one".to_owned()
     }
