@@ -132,7 +132,7 @@ FITTED = 60
 NOT_FITTED = [drawn(number) for number in range(170, 222) if number not in SLOW]
 PLATES = LISTED + [drawn(number) for number in range(1, 69) if number not in SLOW] + NOT_FITTED
 # Thick boxes, which are solids. The factors for few cells were fitted to the first sixty of their sequence.
-SCENES = PLATES + [thick_box(number) for number in range(61, 101)] + [thick_box(number, off_centre=True) for number in range(101, 111)]
+SCENES = PLATES + [thick_box(number) for number in range(61, 101)] + [thick_box(number, off_centre=True) for number in range(101, 108)]
 # Scenes whose tension is compared with solids that have the force on narrower discs.
 WITH_TENSION_REFERENCE = {1, 2, 3, 9, 10, 11, 12, 14, 15, 16, 17, 21, 23, 27, 28, 31, 33, 34, 37, 40, 44, 46, 47, 49, 50, 51, 52, 53, 59, 60}
 WITH_TENSION_REFERENCE |= {number for number, scene in enumerate(PLATES, 1) if number > FITTED and scene.edge != "clamped"}
