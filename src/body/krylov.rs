@@ -14,8 +14,8 @@
 //!
 //! For a viscoelastic body, S = K + G̃(s) D + sC + s²M contains the modulus at the shift s, and D is projected in
 //! addition to K. Bodies that differ only in the Prony series therefore share the basis. The instantaneous response and
-//! the relaxed response have different shapes. Vectors are therefore made in turn at a few shifts, each with the
-//! modulus at that shift: a rational Krylov space (A. Ruhe, Linear Algebra Appl. 58, 1984; multi-point moment matching,
+//! the relaxed response have different shapes. Some vectors are therefore made at lower shifts, each with
+//! the modulus at that shift: a rational Krylov space (A. Ruhe, Linear Algebra Appl. 58, 1984; multi-point moment matching,
 //! E. Grimme, Ph.D. thesis, Univ. of Illinois, 1997). In this space, the transform of the motion is exact at each
 //! shift.
 //!
@@ -174,12 +174,10 @@ impl Krylov {
             *turn = (*turn + 1) % sources.len();
         }
         let count = sources.len();
-        let Source { start, chains, turn: own } = &mut sources[*turn];
-        while chains[*own].exhausted {
-            *own = (*own + 1) % chains.len();
-        }
-        let (first, Shift { rate, solver }) = (shifts[0].rate, &mut shifts[*own]);
-        let (rate, Chain { last, exhausted }) = (*rate, &mut chains[*own]);
+        let own = sources[*turn].next_chain();
+        let Source { start, chains, .. } = &mut sources[*turn];
+        let (first, Shift { rate, solver }) = (shifts[0].rate, &mut shifts[own]);
+        let (rate, Chain { last, exhausted }) = (*rate, &mut chains[own]);
         let (mut next, mut companion) = match last {
             Some((number, momentum)) => {
                 let (number, mut known) = (*number, momentum.clone());
@@ -232,7 +230,6 @@ impl Krylov {
         }
         *last = Some((basis.count(), momentum));
         // Every second vector comes from the contact force vector a. The other sources share the rest.
-        *own = (*own + 1) % chains.len();
         *turn = if *turn == 0 && count > 1 {
             *other = 1 + *other % (count - 1);
             *other

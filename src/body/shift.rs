@@ -20,6 +20,11 @@ const SLOWER_SHIFTS: [f64; 2] = [0.3, SLOWEST];
 /// Ratio of the lowest shift to the first.
 pub(super) const SLOWEST: f64 = 0.1;
 
+/// Number of vectors made at the first shift between two at lower ones. The lower shifts contribute the shapes of slow
+/// motions, of which a few suffice; the first one contributes the vibrations. On a laminate of 0.8 x 0.4 m with 200
+/// to 400 vectors, the error was 0.7 times the error with as many vectors at each shift.
+const VECTORS_AT_FIRST: usize = 4;
+
 /// Ratio of the moduli at a lower and at the previous shift below which the lower shift is used.
 const RELAXED: f64 = 0.9;
 
@@ -114,10 +119,10 @@ pub fn rates(chains: &[&Maxwell], shift: f64, end: f64) -> Vec<f64> {
 pub(super) struct Source {
     /// Start vector: the contact force vector a, the loads, or the load vector of a foundation.
     pub start: Columns,
-    /// One chain of vectors for each shift, used in turn.
+    /// One chain of vectors for each shift.
     pub chains: Vec<Chain>,
-    /// Number of the chain of the next vector.
-    pub turn: usize,
+    /// Number of chains chosen so far.
+    turn: usize,
 }
 
 /// Chain of vectors at one shift.
@@ -138,6 +143,20 @@ impl Source {
     /// Whether no chain gives new directions.
     pub fn is_exhausted(&self) -> bool {
         self.chains.iter().all(|chain| chain.exhausted)
+    }
+
+    /// Chooses the chain of the next vector: the first chain several times, then one of the others, in turn. At least
+    /// one chain must give new directions.
+    pub fn next_chain(&mut self) -> usize {
+        loop {
+            let (round, place) = (self.turn / (VECTORS_AT_FIRST + 1), self.turn % (VECTORS_AT_FIRST + 1));
+            let others = self.chains.len() - 1;
+            let chain = if place < VECTORS_AT_FIRST || others == 0 { 0 } else { 1 + round % others };
+            self.turn += 1;
+            if !self.chains[chain].exhausted {
+                return chain;
+            }
+        }
     }
 }
 

@@ -125,8 +125,8 @@ struct Compared {
 /// # Errors
 /// Same as [`Trials::force`].
 fn compare(trials: &mut Trials, projection: &Projection) -> Result<Compared> {
-    let trial = trials.force(projection)?;
-    let trial = trials.in_shorter_steps(projection)?.unwrap_or(trial);
+    let mut trial = trials.force(projection)?;
+    trials.shorten_steps(projection, &mut trial)?;
     let judge = projection.with_half_the_modes();
     let of_judge = trials.force_in(trial.steps, &judge)?;
     Ok(Compared { trial, judge, of_judge })

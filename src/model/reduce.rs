@@ -235,8 +235,8 @@ pub fn reduce_from(
         let is_exhausted = watch.decided(krylov.is_exhausted());
         match trials.force(&projection) {
             // The basis spans all motions that the forces excite, up to rounding.
-            Ok(trial) if is_exhausted && (given.is_none() || tried.is_empty()) => {
-                let trial = trials.in_shorter_steps(&projection)?.unwrap_or(trial);
+            Ok(mut trial) if is_exhausted && (given.is_none() || tried.is_empty()) => {
+                trials.shorten_steps(&projection, &mut trial)?;
                 let Trial { force, steps, modal, in_longest_steps } = trial;
                 return Ok(Reduced {
                     judge: projection.clone(),
@@ -392,13 +392,11 @@ impl Rule<'_> {
         if !(is_last || judgement.is_met) {
             return Ok(judgement);
         }
-        if let Some(own) = trials.in_shorter_steps(projection)? {
-            *trial = own;
-        }
+        trials.shorten_steps(projection, trial)?;
         if !self.watch.decided(judge.steps != trial.steps) {
             return Ok(judgement);
         }
-        *judge = trials.force_in(trial.steps, &projection.leading(self.smaller))?;
+        *judge = trials.force_on(judge.modal.take(), trial.steps, &projection.leading(self.smaller))?;
         Ok(self.judge(judge.force.difference(&trial.force)))
     }
 

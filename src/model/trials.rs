@@ -74,40 +74,54 @@ impl<'a> Trials<'a> {
     /// # Errors
     /// Same as [`Trials::force`].
     pub fn force_in(&self, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
-        let trial = self.watch.shared(self.force_here(steps, projection));
+        self.force_on(None, steps, projection)
+    }
+
+    /// [`Self::force_in`] with the basis in modal coordinates, if it is known. Collective.
+    ///
+    /// # Errors
+    /// Same as [`Trials::force`].
+    pub fn force_on(&self, modal: Option<ModalBody>, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
+        let trial = self.watch.shared(self.force_here(modal, steps, projection));
         // An interrupted rank has only a part of the force, so all ranks end here.
         self.watch.at(Stage::Trial)?;
         trial
     }
 
-    /// The force in a basis' own time steps, if it has many more vectors than the basis for which the steps were chosen
-    /// and needs shorter ones. Longer steps leave out the modes in which it differs from smaller bases. The shorter
-    /// steps are then shared by all bases. Collective.
+    /// Replaces the force on a basis by that in the basis' own time steps, if it has many more vectors than the basis for
+    /// which the steps were chosen and needs shorter ones. Longer steps leave out the modes in which it differs from smaller
+    /// bases. The shorter steps are then shared by all bases. Collective.
     ///
     /// # Errors
     /// Same as [`Trials::force`].
-    pub fn in_shorter_steps(&mut self, projection: &Projection) -> Result<Option<Trial>> {
+    pub fn shorten_steps(&mut self, projection: &Projection, trial: &mut Trial) -> Result<()> {
         let (vectors, before) = (projection.vectors(), self.chosen);
         let is_due = |before: Chosen| vectors > VECTORS_BEFORE_NEW_STEPS * before.vectors;
         // Other ranks than the first may have no chosen steps.
         if self.scene.time.step.is_some() || !self.watch.decided(before.is_some_and(is_due)) {
-            return Ok(None);
+            return Ok(());
         }
-        let trial = self.force_in(None, projection)?;
+        let mut own = self.force_on(trial.modal.take(), None, projection)?;
         let largest = |steps: Option<Steps>| steps.map_or(f64::INFINITY, |steps| steps.largest);
         let before = before.map(|before| before.steps);
-        let is_shorter = self.watch.decided(largest(trial.steps) < SHORTER_BELOW * largest(before));
-        let steps = if is_shorter { trial.steps } else { before };
+        let is_shorter = self.watch.decided(largest(own.steps) < SHORTER_BELOW * largest(before));
+        let steps = if is_shorter { own.steps } else { before };
         self.chosen = steps.map(|steps| Chosen { steps, vectors });
-        Ok(is_shorter.then_some(trial))
+        if is_shorter {
+            *trial = own;
+        } else {
+            trial.modal = own.modal.take();
+        }
+        Ok(())
     }
+
     /// The force as computed by this rank. It uses the scene's own scheme, because schemes represent the body's
     /// vibrations differently. In modal coordinates it uses the given `steps` and returns the modal body too.
-    fn force_here(&self, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
+    fn force_here(&self, modal: Option<ModalBody>, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
         let Self { comm, scene, watch, .. } = *self;
         let take = |_: &Step, _: &Reading| {};
         if scene.time.modal {
-            let body = ModalBody::of(projection);
+            let body = modal.unwrap_or_else(|| ModalBody::of(projection));
             let mut impact = ModalImpact::new(scene, &body).without_energies();
             let (force, taken) =
                 impact.trace_watched(steps, &mut Until { interrupted: &|| watch.is_raised_here(), take })?;
