@@ -50,8 +50,8 @@ impl ErrorFactors {
 
     /// For a body that relaxes so much that it has several shifts. The error falls slowly and irregularly with the
     /// number of vectors. On four such laminates with 20 to 180 vectors, 40 comparisons, the error was measured to be
-    /// 0.7 to 3.2 for the smaller basis and 0.06 to 2.2 for the larger one.
-    const STRONGLY_RELAXING: Self = Self { smaller: 3.3, larger: Some(2.3) };
+    /// 0.7 to 2.7 for the smaller basis and 0.1 to 1.9 for the larger one.
+    const STRONGLY_RELAXING: Self = Self { smaller: 2.8, larger: Some(1.9) };
 
     /// The factors for a body, whose basis begins like this.
     fn of(body: &dyn LinearBody, start: Start) -> Self {
