@@ -173,8 +173,9 @@ pub fn lines(
     let at = |extreme: &Extreme, factor: f64, unit: &str| {
         format!("{} {unit} at {} ms", short(factor * extreme.value), short(1e3 * extreme.time))
     };
+    let against = if extremes.deflection.value < 0.0 { ", against the direction of the impact" } else { "" };
     let mut lines = vec![format!(
-        "peak force {}; largest deflection under the impactor {}",
+        "peak force {}; largest deflection under the impactor {}{against}",
         at(&extremes.force, 1.0, "N"),
         at(&extremes.deflection, 1e3, "mm")
     )];

@@ -7,6 +7,7 @@
 use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
 
+use super::cell_error::{Judge, ORDER, are_few, finer_size, is_unreliable};
 use super::elastic_cells;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_grid};
@@ -16,7 +17,7 @@ use crate::body::{DirectSum, InfinitePlate, ModalBody};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
-use crate::scene::{Measure, Model, Scene, Symmetry};
+use crate::scene::{Measure, Model, Scene};
 use crate::space::evaluate::{Evaluator, TensionErrors};
 use crate::space::plate::crossing;
 
@@ -25,77 +26,13 @@ use crate::space::plate::crossing;
 pub(super) const COARSER_CELL_FACTOR: f64 = 1.5;
 pub(super) const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, 0.85];
 
-/// Order of convergence in the cell size assumed for the force and for averaged stresses. Measured: 3.8 for the
-/// stresses of statically loaded plates.
-pub(super) const ORDER: f64 = 3.0;
-
-/// The same for solids on grids with fewer cells than [`FEW_OF_SOLIDS`]. They do not resolve the edges, where stresses
-/// are singular. An estimate.
-const ORDER_OF_SOLIDS: f64 = 2.0;
-const FEW_OF_SOLIDS: usize = 6;
-
-/// Order of convergence of coarse grids per cell along the axis with the fewest cells: such grids do not reach their
-/// full order. An estimate.
-const ORDER_PER_CELL: f64 = 0.58;
-
-/// Order of convergence of solids if a clamp prevents the sections of an edge from warping: stresses are singular
-/// there. An estimate. The force on plates converges as with other edges.
-const ORDER_AT_CLAMPS: f64 = 1.1;
-
-/// Largest cell at the impact point, over the radius of Mindlin's disc, that resolves the disc's pressure; and the
-/// order of convergence then, for any number of cells. With two and three cells the error of the force was measured to
-/// be 0.08 to 0.2 of the difference, which corresponds to orders of 4.5 and more.
-const RESOLVING_CELL_OVER_DISC: f64 = 0.7;
-const ORDER_OF_RESOLVED: f64 = 3.5;
-
-/// Range of the same ratio for coarser cells whose first grid line is near the disc's edge, while the first line of the
-/// finer cells is not. The error of the coarser cells may then be small by accident, and the difference is unreliable:
-/// the error was measured to be up to 2.2 times the difference.
-const LINE_AT_EDGE: [f64; 2] = [0.78, 1.1];
-
-/// Least order outside that range, for any number of cells: errors of up to 0.7 of the difference were measured, which
-/// is an order of 2.2.
-const ORDER_BESIDE_EDGE: f64 = 2.0;
-
-/// Largest error of a solid's tension over the difference, if the coarser grid also has fewer cells across the
-/// thickness: their effect converges with a higher order. Measured: 0.2 to 0.5 where the difference is large.
-const TENSION_FACTOR_IF_COARSER_ACROSS: f64 = 0.8;
-
 /// Error of the tension by the static local field under the impactor, over the square of [`crossing`]: the time in
 /// which shear waves cross the thickness, over the contact time on a half-space. With the pressure on a disc half as
 /// wide the tension near its peak changed by 1.3 to 2 times that square.
 const LOCAL_FIELD_FACTOR: f64 = 2.5;
 
-/// A plate is compared with coarser cells if there are at least this many of them along each edge, and if the error is
-/// at most this factor times the difference; otherwise it is compared with finer cells. On few cells the force converges
-/// irregularly: with two coarser cells along an edge, the error was measured to be 0.1 to 15 of the difference.
-const FEWEST_COARSER_CELLS: usize = 3;
-const LARGEST_FACTOR_TO_COARSER: f64 = 1.0;
-
-/// Least number of coarser cells between the impact point and each edge with which a solid is compared. With three
-/// of them in a thick box, the estimate was 0.3 of the error of the cells.
-const FEWEST_COARSER_CELLS_OF_SOLIDS: f64 = 4.0;
-
-/// Least ratio of the numbers of those finer cells to the others along each edge.
-const FINER_RATIO_IF_FEW: f64 = 1.5;
-
-/// Error on few cells over the difference from the finer cells. Measured on sixty plates: 1.05 to 2.1. An
-/// error that is proportional to the cube of the cell size would be 1.4 of the difference.
-const ERROR_FACTOR_IF_FEW: f64 = 2.2;
-
-/// The same factor for a solid with at most two cells between the impact point and an edge. On sixty thick boxes the error
-/// was measured to be at most 2.6 of the difference, and with more cells at most 1.5 of it.
-const ERROR_FACTOR_OF_TWO_CELLS: f64 = 3.0;
-
-/// Factor from one size to the next in the search for such cells.
-const FINER_STEP: f64 = 0.95;
-
 /// Share of the tolerance for the estimated discretisation error. It may be more if steps, basis and theory need less.
 pub(super) const CELL_SHARE: f64 = 0.6;
-
-/// Largest factor from a difference to an error. The difference of two nearly equal grids does not estimate their
-/// error.
-const LARGEST_FACTOR: f64 = 3.0;
 
 /// Smallest cell size, relative to the rule of thumb.
 pub(super) const SMALLEST_CELL_FACTOR: f64 = 0.25;
@@ -145,95 +82,6 @@ const COMPARED_BESIDE_ECHOES: f64 = 1.8;
 /// takes some five seconds, and one on finer cells at least as long. Beyond this value the remaining discretisation
 /// error is reported with the results.
 const LARGEST_REFINED_COST: f64 = 4e9;
-
-/// The force on coarser or finer cells, for comparison.
-pub(super) struct Judge {
-    pub force: Trace,
-    /// Number of vectors of the basis.
-    pub vectors: usize,
-    pub cells: [usize; 3],
-    pub cell_over_disc: Option<f64>,
-}
-
-impl Judge {
-    /// Estimated errors on `cells`, from the difference between the forces on `cells` and on these cells.
-    pub fn errors(&self, cells: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
-        let is_finer = (0..3).all(|axis| self.cells[axis] >= cells[axis]) && self.cells != cells;
-        if !is_finer {
-            return self.errors_of_finer(cells, scene, theory, difference);
-        }
-        let has_two = || along_face(scene, theory, cells).any(|axis| cells_from_hit(scene, cells, axis) <= 2.0);
-        let of_difference =
-            if theory == Model::Solid && has_two() { ERROR_FACTOR_OF_TWO_CELLS } else { ERROR_FACTOR_IF_FEW };
-        of_difference * difference
-    }
-
-    /// Estimated errors on finer cells, from their difference from these cells.
-    fn errors_of_finer(&self, finer: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
-        // There are no finer cells to compare with.
-        let is_unreliable = theory == Model::Solid && is_unreliable(scene, theory, self.cells, finer);
-        let of_difference = if is_unreliable { LARGEST_FACTOR } else { self.of_difference(finer, scene, theory) };
-        let mut errors = of_difference * difference;
-        let is_finer_across = |axis: usize| theory == Model::Solid && self.cells[axis] < finer[axis];
-        if scene.struck_axis().is_some_and(is_finer_across) {
-            errors.stress = of_difference.min(TENSION_FACTOR_IF_COARSER_ACROSS) * difference.stress;
-        }
-        errors
-    }
-
-    /// Error on finer cells over their difference from these cells.
-    ///
-    /// Numbers of cells are integers, so their ratio differs from the ratio of the requested sizes.
-    fn of_difference(&self, finer: [usize; 3], scene: &Scene, theory: Model) -> f64 {
-        let axes = self.axes(finer, scene, theory);
-        let Some(fewest) = axes.iter().map(|(cells, _)| *cells).min() else { return LARGEST_FACTOR };
-        // The bound keeps the result finite if the grids are equal.
-        (ratio(&axes).powf(self.order(fewest, scene, theory)) - 1.0).max(LARGEST_FACTOR.recip()).recip()
-    }
-
-    /// Numbers of cells along the relevant axes, here and on the finer grid.
-    fn axes(&self, finer: [usize; 3], scene: &Scene, theory: Model) -> Vec<(usize, usize)> {
-        // Across the thickness a solid has few cells of high order.
-        let across = if theory == Model::Solid { scene.struck_axis() } else { None };
-        let axes = (0..3).filter(|axis| Some(*axis) != across && self.cells[*axis] > 1);
-        axes.map(|axis| (self.cells[axis], finer[axis])).collect()
-    }
-
-    /// Order of convergence in the cell size; `fewest` is the smallest number of cells along an axis.
-    fn order(&self, fewest: usize, scene: &Scene, theory: Model) -> f64 {
-        let is_solid = theory == Model::Solid;
-        let full = if is_solid && fewest < FEW_OF_SOLIDS { ORDER_OF_SOLIDS } else { ORDER };
-        let at_edges = if is_solid && scene.clamps_sections() { ORDER_AT_CLAMPS } else { full };
-        let of_few = full.min(ORDER_PER_CELL * fewest as f64);
-        let [from, to] = LINE_AT_EDGE;
-        match self.cell_over_disc.filter(|_| !is_solid) {
-            Some(cell) if cell <= RESOLVING_CELL_OVER_DISC => ORDER_OF_RESOLVED,
-            Some(cell) if cell <= from || cell > to => at_edges.min(of_few.max(ORDER_BESIDE_EDGE)),
-            _ => at_edges.min(of_few),
-        }
-    }
-
-    /// Scales the errors on `cells`, estimated by comparison with these coarser cells, to `finer` cells by the order of
-    /// convergence.
-    pub fn errors_on_finer(
-        &self,
-        (cells, errors): ([usize; 3], Errors),
-        finer: [usize; 3],
-        scene: &Scene,
-        theory: Model,
-    ) -> Errors {
-        let [before, after] = [cells, finer].map(|cells| ratio(&self.axes(cells, scene, theory)));
-        let fewest = self.axes(cells, scene, theory).iter().map(|(cells, _)| *cells).min();
-        let order = fewest.map_or(0.0, |fewest| self.order(fewest, scene, theory));
-        (before / after).powf(order) * errors
-    }
-}
-
-/// Ratio of the finer to the coarser number of cells along an axis, as the geometric mean over the axes.
-fn ratio(axes: &[(usize, usize)]) -> f64 {
-    let ratios: f64 = axes.iter().map(|(cells, finer)| *finer as f64 / *cells as f64).product();
-    ratios.powf(1.0 / axes.len() as f64)
-}
 
 impl Fitted {
     /// Number of basis vectors on which cells are compared.
@@ -427,56 +275,9 @@ fn judge_of(comm: &Comm, scene: &Scene, theory: Model, fitted: &Fitted, watch: &
 
 /// Size of finer cells for a comparison, if there are few cells. The same on all ranks. Collective.
 fn finer_size_if(is_few: bool, scene: &Scene, theory: Model, fitted: &Fitted, watch: &dyn Watch) -> Option<f64> {
-    let size = is_few.then(|| finer_size(scene, theory, fitted)).flatten();
+    let cells = fitted.cells.filter(|_| is_few);
+    let size = cells.and_then(|cells| finer_size(scene, theory, (cells, fitted.size)));
     Some(watch.agreed(size.unwrap_or(f64::NAN))).filter(|size| !size.is_nan())
-}
-
-/// Size of finer cells with which few cells are compared.
-fn finer_size(scene: &Scene, theory: Model, fitted: &Fitted) -> Option<f64> {
-    let cells = fitted.cells?;
-    let is_finer = |finer: [usize; 3]| {
-        let mut axes = along_face(scene, theory, cells);
-        axes.all(|axis| finer[axis] as f64 >= FINER_RATIO_IF_FEW * cells[axis] as f64)
-    };
-    let mut size = fitted.size;
-    while !cells_of_grid(scene, theory, size).is_some_and(is_finer) {
-        size *= FINER_STEP;
-        if size < SMALLEST_CELL_FACTOR * fitted.size {
-            return None;
-        }
-    }
-    Some(size)
-}
-
-/// Whether the cells of a plate are too few for a comparison with coarser ones.
-pub(super) fn are_few(cells: [usize; 3], coarser: [usize; 3]) -> bool {
-    let axes: Vec<_> = (0..3).filter(|axis| cells[*axis] > 1).map(|axis| (coarser[axis], cells[axis])).collect();
-    let fewest = axes.iter().map(|(along, _)| *along).min().unwrap_or(0);
-    let order = ORDER.min(ORDER_PER_CELL * fewest as f64);
-    fewest < FEWEST_COARSER_CELLS || ratio(&axes).powf(order) - 1.0 < LARGEST_FACTOR_TO_COARSER.recip()
-}
-
-/// Whether a comparison of `cells` with coarser ones is unreliable: there are too few of these along an edge of the
-/// impacted face, or, for a solid, no fewer than of the others.
-fn is_unreliable(scene: &Scene, theory: Model, coarser: [usize; 3], cells: [usize; 3]) -> bool {
-    along_face(scene, theory, cells).any(|axis| match theory {
-        Model::Solid => {
-            cells_from_hit(scene, coarser, axis) < FEWEST_COARSER_CELLS_OF_SOLIDS || coarser[axis] >= cells[axis]
-        }
-        _ => coarser[axis] < FEWEST_COARSER_CELLS,
-    })
-}
-
-/// Number of cells between the impact point and an edge: half of the cells, if both halves of the edge are modelled.
-fn cells_from_hit(scene: &Scene, cells: [usize; 3], axis: usize) -> f64 {
-    let is_halved = matches!(scene.body.symmetry, Symmetry::Quarter { axes } if axes.contains(&axis));
-    cells[axis] as f64 * if is_halved { 1.0 } else { 0.5 }
-}
-
-/// Axes along the impacted face; those of a plate have several cells.
-fn along_face(scene: &Scene, theory: Model, cells: [usize; 3]) -> impl Iterator<Item = usize> {
-    let across = if theory == Model::Solid { scene.struck_axis() } else { None };
-    (0..3).filter(move |axis| Some(*axis) != across && (theory == Model::Solid || cells[*axis] > 1))
 }
 
 /// The force on coarser cells; `None` if there are no coarser cells.

@@ -8,9 +8,10 @@
 
 use petsc_wrap::Comm;
 
+use super::cell_error::{ORDER, are_few};
 use super::cells::{
-    CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, ORDER, are_few, fitted, of_other_bases,
-    on_cells_built, on_coarser_cells, refine, unrefined, with_local_fields,
+    CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, fitted, of_other_bases, on_cells_built,
+    on_coarser_cells, refine, unrefined, with_local_fields,
 };
 use super::reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_grid};
@@ -88,8 +89,14 @@ fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
     (needed.ceil() as usize).clamp(fewer, more)
 }
 
-/// Reduces a plate of viscoelastic layers on its present cells, or on finer ones if these are too coarse. `coarser` is
-/// the elastic body on coarser cells, with the numbers of vectors that a rough tolerance needs. Collective.
+/// The elastic body on coarser cells.
+pub(super) struct Coarser {
+    pub operators: Operators,
+    /// Numbers of vectors of the smaller and the larger basis that a rough tolerance needs.
+    pub vectors: [usize; 2],
+}
+
+/// Reduces a plate of viscoelastic layers on its present cells, or on finer ones if these are too coarse. Collective.
 ///
 /// # Errors
 /// Same as [`fit`](super::cells::fit).
@@ -98,7 +105,7 @@ pub(super) fn fit(
     scene: &Scene,
     theory: Model,
     mut built: Operators,
-    coarser: Option<(Operators, [usize; 2])>,
+    coarser: Option<Coarser>,
     watch: &dyn Watch,
 ) -> Result<Fitted> {
     let Some(found) = found(comm, scene, theory, &built, coarser, watch)? else {
@@ -142,7 +149,7 @@ fn found(
     scene: &Scene,
     theory: Model,
     built: &Operators,
-    coarser: Option<(Operators, [usize; 2])>,
+    coarser: Option<Coarser>,
     watch: &dyn Watch,
 ) -> Result<Option<Found>> {
     let (Assembled::Local(body), Some(cells)) = (&built.body, built.cells) else { return Ok(None) };
@@ -156,17 +163,17 @@ fn found(
     };
     // The error on few cells does not follow an order of convergence.
     let coarser_cells = match &coarser {
-        Some((coarser, _)) => coarser.cells,
+        Some(coarser) => coarser.operators.cells,
         None => cells_of_grid(scene, theory, COARSER_CELL_FACTOR),
     };
     if coarser_cells.is_none_or(|coarser| are_few(cells, coarser)) {
         return Ok(None);
     }
     let elastic = elastic(scene);
-    let (coarser, served) = coarser.unzip();
+    let served = coarser.as_ref().map(|coarser| coarser.vectors);
     let fine = fitted(comm, &elastic, stand_in, (1.0, served), watch)?;
     let coarse = match coarser {
-        Some(coarser) => on_cells_built(comm, &elastic, &fine, coarser, watch),
+        Some(coarser) => on_cells_built(comm, &elastic, &fine, coarser.operators, watch),
         None => on_coarser_cells(comm, &elastic, theory, &fine, watch),
     };
     let coarse = match coarse {

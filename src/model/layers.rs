@@ -14,7 +14,7 @@
 use petsc_wrap::Comm;
 
 use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR};
-use super::elastic_cells;
+use super::elastic_cells::{self, Coarser};
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::BASIS_SHARE;
 use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher};
@@ -104,7 +104,7 @@ pub(super) fn layered(
     }
     let (whole, coarser) = match thick {
         Thick::Whole(thick) => (Some(thick).filter(|_| left.tolerance == tolerance), None),
-        Thick::Coarser { operators, reduced } => (None, Some((operators, reduced.counts()))),
+        Thick::Coarser { operators, reduced } => (None, Some(Coarser { operators, vectors: reduced.counts() })),
     };
     let model = if elastic_cells::serves(scene, Theory::Layerwise) {
         let operators = layerwise(&left, 1.0)?;

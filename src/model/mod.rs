@@ -1,6 +1,7 @@
 //! Selects the theory for a scene's body, reduces the body to a basis, and runs impacts on it.
 
 mod beside_echoes;
+mod cell_error;
 mod cells;
 mod elastic_cells;
 mod layers;
