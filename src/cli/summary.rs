@@ -173,9 +173,10 @@ pub fn lines(
     let at = |extreme: &Extreme, factor: f64, unit: &str| {
         format!("{} {unit} at {} ms", short(factor * extreme.value), short(1e3 * extreme.time))
     };
-    let against = if extremes.deflection.value < 0.0 { ", against the direction of the impact" } else { "" };
+    let backwards =
+        if extremes.deflection.value < 0.0 { " (opposite to the impactor's direction of travel)" } else { "" };
     let mut lines = vec![format!(
-        "peak force {}; largest deflection under the impactor {}{against}",
+        "peak force {}; largest deflection under the impactor {}{backwards}",
         at(&extremes.force, 1.0, "N"),
         at(&extremes.deflection, 1e3, "mm")
     )];

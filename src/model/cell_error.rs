@@ -1,7 +1,8 @@
 //! Estimates the discretisation error from the difference between the forces on two grids.
 //!
-//! On a grid with enough cells, the error follows an order of convergence, so that a comparison with coarser cells gives
-//! it. With few cells it does not: these are compared with finer cells, whose error is smaller than the difference.
+//! On a grid with enough cells, the error falls with a known order of convergence, and a comparison with a coarser grid
+//! gives an estimate. On a grid with few cells it does not. Such a grid is compared with a finer one, and the error is
+//! the difference times a measured factor.
 
 use super::cells::SMALLEST_CELL_FACTOR;
 use super::theory::cells_of_grid;
@@ -192,8 +193,8 @@ fn along_face(scene: &Scene, theory: Model, cells: [usize; 3]) -> impl Iterator<
     (0..3).filter(move |axis| Some(*axis) != across && (theory == Model::Solid || cells[*axis] > 1))
 }
 
-/// Size of finer cells with which few cells of a size are compared, if there are such.
-pub(super) fn finer_size(scene: &Scene, theory: Model, (cells, size): ([usize; 3], f64)) -> Option<f64> {
+/// Cell size of the finer grid with which a grid of few cells is compared; `None` if there is none.
+pub(super) fn finer_size(scene: &Scene, theory: Model, cells: [usize; 3], size: f64) -> Option<f64> {
     let is_finer = |finer: [usize; 3]| {
         let mut axes = along_face(scene, theory, cells);
         axes.all(|axis| finer[axis] as f64 >= FINER_RATIO_IF_FEW * cells[axis] as f64)

@@ -276,7 +276,7 @@ fn judge_of(comm: &Comm, scene: &Scene, theory: Model, fitted: &Fitted, watch: &
 /// Size of finer cells for a comparison, if there are few cells. The same on all ranks. Collective.
 fn finer_size_if(is_few: bool, scene: &Scene, theory: Model, fitted: &Fitted, watch: &dyn Watch) -> Option<f64> {
     let cells = fitted.cells.filter(|_| is_few);
-    let size = cells.and_then(|cells| finer_size(scene, theory, (cells, fitted.size)));
+    let size = cells.and_then(|cells| finer_size(scene, theory, cells, fitted.size));
     Some(watch.agreed(size.unwrap_or(f64::NAN))).filter(|size| !size.is_nan())
 }
 

@@ -13,7 +13,7 @@ use super::cells::{
     CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, fitted, of_other_bases, on_cells_built,
     on_coarser_cells, refine, unrefined, with_local_fields,
 };
-use super::reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, Reduced, larger, rate};
+use super::reduce::{BASIS_SHARE, ErrorFactors, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::watch::Watch;
 use crate::body::{Assembled, rates};
@@ -84,7 +84,7 @@ fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
     if reduced.rule == ErrorRule::default() {
         return more;
     }
-    let error = ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * reduced.difference.of(scene.measure);
+    let error = ErrorFactors::VISCOELASTIC.smaller * reduced.difference.of(scene.measure);
     let needed = fewer as f64 * (error / (BASIS_SHARE * scene.tolerance)).sqrt();
     (needed.ceil() as usize).clamp(fewer, more)
 }
@@ -92,11 +92,11 @@ fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
 /// The elastic body on coarser cells.
 pub(super) struct Coarser {
     pub operators: Operators,
-    /// Numbers of vectors of the smaller and the larger basis that a rough tolerance needs.
+    /// Numbers of vectors of the smaller and the larger basis for a rough tolerance.
     pub vectors: [usize; 2],
 }
 
-/// Reduces a plate of viscoelastic layers on its present cells, or on finer ones if these are too coarse. Collective.
+/// Reduces a plate of viscoelastic layers on its present cells or, if they are too coarse, on finer ones. Collective.
 ///
 /// # Errors
 /// Same as [`fit`](super::cells::fit).

@@ -19,9 +19,7 @@ pub mod watch;
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
-pub use reduce::{
-    BASIS_SHARE, ERROR_FACTOR_OF_SMALLER, ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, Reduced, rate, reduce, reduce_from,
-};
+pub use reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER, ErrorFactors, Reduced, rate, reduce, reduce_from};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 

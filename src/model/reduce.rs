@@ -30,31 +30,31 @@ pub const ERROR_FACTOR_OF_SMALLER: f64 = 1.4;
 /// error was up to 6 times the difference.
 const LEAST_MORE: usize = 9;
 
-/// Error of the smaller of two bases over their difference, for a viscoelastic body with one shift. With 24 to 120
-/// vectors it was measured to be 0.7 to 1.2 on six laminates, and up to 2.0 on a seventh, which is hit by 52 kg.
-pub const ERROR_FACTOR_OF_SMALLER_VISCOELASTIC: f64 = 2.1;
-
 /// Factors from the difference of the forces on two bases to their errors.
-#[derive(Clone, Copy)]
-struct ErrorFactors {
-    smaller: f64,
-    /// `None` if the larger basis serves for the estimate only.
+#[derive(Debug, Clone, Copy)]
+pub struct ErrorFactors {
+    /// Error of the smaller basis over the difference.
+    pub smaller: f64,
+    /// Error of the larger basis over the difference; `None` if the larger basis is used only for the estimate.
     larger: Option<f64>,
 }
 
 impl ErrorFactors {
     const ELASTIC: Self = Self { smaller: ERROR_FACTOR_OF_SMALLER, larger: None };
 
-    /// For a viscoelastic body with one shift. The larger basis: measured on laminates, 0.2 to 1.15.
-    const VISCOELASTIC: Self = Self { smaller: ERROR_FACTOR_OF_SMALLER_VISCOELASTIC, larger: Some(1.5) };
+    /// For a viscoelastic body with one shift. With 24 to 120 vectors, the error of the smaller basis was measured to be
+    /// 0.7 to 1.2 times the difference on six laminates, and up to 2.0 times on a seventh, which is hit by 52 kg. For the
+    /// larger basis, 0.2 to 1.15 was measured.
+    pub(super) const VISCOELASTIC: Self = Self { smaller: 2.1, larger: Some(1.5) };
 
-    /// For a body that relaxes so much that it has several shifts. The error falls slowly and irregularly with the
-    /// number of vectors. On four such laminates with 20 to 180 vectors, 40 comparisons, the error was measured to be
-    /// 0.7 to 2.7 for the smaller basis and 0.1 to 1.9 for the larger one.
-    const STRONGLY_RELAXING: Self = Self { smaller: 2.8, larger: Some(1.9) };
+    /// For a strongly relaxing body, which has several shifts. The error falls slowly and irregularly with the number of
+    /// vectors. In 40 comparisons on four such laminates with 20 to 180 vectors, it was 0.7 to 2.7 times the difference
+    /// for the smaller basis and 0.1 to 1.9 times for the larger one; on a fifth with 200 to 400 vectors, 0.7 to 1.0 times
+    /// for the smaller one. The factors have a margin of a fifth. An estimate.
+    const STRONGLY_RELAXING: Self = Self { smaller: 3.3, larger: Some(2.3) };
 
-    /// The factors for a body, whose basis begins like this.
-    fn of(body: &dyn LinearBody, start: Start) -> Self {
+    /// Returns the factors for a body and the initial settings of its basis.
+    pub fn of(body: &dyn LinearBody, start: Start) -> Self {
         let chains = body.chains();
         if chains.is_empty() {
             Self::ELASTIC

@@ -77,7 +77,7 @@ impl<'a> Trials<'a> {
         self.force_on(None, steps, projection)
     }
 
-    /// [`Self::force_in`] with the basis in modal coordinates, if it is known. Collective.
+    /// Same as [`Self::force_in`]. `modal` is the body on the same basis in modal coordinates, if it is known. Collective.
     ///
     /// # Errors
     /// Same as [`Trials::force`].
@@ -88,9 +88,9 @@ impl<'a> Trials<'a> {
         trial
     }
 
-    /// Replaces the force on a basis by that in the basis' own time steps, if it has many more vectors than the basis for
-    /// which the steps were chosen and needs shorter ones. Longer steps leave out the modes in which it differs from smaller
-    /// bases. The shorter steps are then shared by all bases. Collective.
+    /// Computes the force in the basis's own time steps, if it has many more vectors than the basis for which the steps
+    /// were chosen. If these steps are shorter, their force replaces the given one, and all further bases use them.
+    /// Longer steps leave out the modes in which this basis differs from smaller ones. Collective.
     ///
     /// # Errors
     /// Same as [`Trials::force`].

@@ -124,7 +124,8 @@ fn facts(data: &Data) -> Vec<KeyFigure> {
         extreme("Peak contact force", largest.force, FORCE);
         extreme("Peak acceleration", largest.acceleration, ACCELERATION);
         let Extreme { value, time } = largest.deflection;
-        add("Largest deflection", computed(value, LENGTH), format!("under the impactor, {}", at(time)));
+        let backwards = if value < 0.0 { ", opposite to the impactor's direction of travel" } else { "" };
+        add("Largest deflection", computed(value, LENGTH), format!("under the impactor, {}{backwards}", at(time)));
     }
     match &data.contacts.episodes[..] {
         [] => add("Contact", "none".to_owned(), String::new()),

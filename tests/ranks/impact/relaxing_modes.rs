@@ -8,10 +8,10 @@ use petsc_wrap::Session;
 use ricochet::body::{Body, DirectSum, LinearBody, ModalBody, Operator, Projection};
 use ricochet::description::Description;
 use ricochet::impact::step::Step;
-use ricochet::impact::{ModalImpact, SteppedImpact, Steps, Trace};
+use ricochet::impact::{ModalImpact, SteppedImpact, Steps, TIME_STEP_SHARE, Trace, joined};
 use ricochet::material::Maxwell;
 use ricochet::model::watch::Unwatched;
-use ricochet::model::{Built, build, rate, reduce};
+use ricochet::model::{Built, ErrorFactors, build, rate, reduce};
 use ricochet::scene::Scene;
 
 use crate::modelled::parse;
@@ -23,6 +23,7 @@ pub const TESTS: &[Test<Session>] = tests![
     energy_is_stored_or_lost,
     another_chain_is_the_body_of_that_chain,
     one_basis_serves_all_temperatures,
+    few_directions_are_enough,
     estimates_hold_of_strong_relaxation,
     estimates_hold_of_the_smallest
 ];
@@ -60,6 +61,11 @@ fn projected(body: &Body, scene: &Scene, vectors: usize) -> Projection {
     let mut krylov = DirectSum::new(body, rate(scene)).unwrap();
     krylov.grow(body, vectors).unwrap();
     krylov.projection(body).unwrap()
+}
+
+/// Error of the smaller of two bases over their difference, as the program assumes.
+fn factor(body: &Body, scene: &Scene) -> f64 {
+    ErrorFactors::of(body, rate(scene).into()).smaller
 }
 
 fn on_basis(session: &Session, scene: &Scene, vectors: usize) -> Projection {
@@ -132,9 +138,10 @@ fn order_is_that_of_elastic_bodies(session: &Session) {
         let order = (errors[1] / errors[3]).log2() / 2.0;
         assert!((3.6..4.4).contains(&order), "{order} {errors:?}");
     }
-    // Vibrations damped by dashpots are integrated no less accurately in steps that resolve them.
-    let mut resolved = with.iter().zip(&without).skip(1);
-    assert!(resolved.all(|(with, without)| *with < 1.2 * without), "{with:?} {without:?}");
+    // In steps that resolve the vibrations, dashpots do not increase the error. The longest step does not resolve them.
+    let largest = [2.0, 1.2, 1.2, 1.2];
+    let errors = || with.iter().zip(&without).zip(largest);
+    assert!(errors().all(|((with, without), largest)| *with < largest * without), "{with:?} {without:?}");
 }
 
 /// The energy balance of every step is closed, dashpots only dissipate, and the numerical energy falls with third order
@@ -196,17 +203,33 @@ fn another_chain_is_the_body_of_that_chain(session: &Session) {
 /// temperature, estimated from the difference to a basis with twice as many vectors.
 fn one_basis_serves_all_temperatures(session: &Session) {
     let at = |temperature: f64| parse(&laminate(0.00152, temperature, ""));
-    let shared = on_basis(session, &at(20.0), 40);
+    let body = whole(session, &at(20.0));
+    let (shared, factor) = (projected(&body, &at(20.0), 40), factor(&body, &at(20.0)));
     for temperature in [0.0, 10.0, 35.0, 50.0] {
         let scene = at(temperature);
         let own = on_basis(session, &scene, 64);
         let reference = modal(&scene, &own, 1e-6);
         let here = shared.with_chains(&chains(&scene));
         let [small, large] = [20, 40].map(|vectors| modal(&scene, &here.leading(vectors), 1e-6));
-        let estimate = ricochet::model::ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * small.difference(&large).history;
+        let estimate = factor * small.difference(&large).history;
         let error = small.difference(&reference).history;
         println!("  {temperature} °C: error {error:.1e}, estimate {estimate:.1e}");
         assert!(error <= estimate && estimate <= 10.0 * error, "{temperature}: {error:e} {estimate:e}");
+    }
+}
+
+/// The directions of D that a tolerance leaves out change the force by less than the share of the time steps, on a basis
+/// of many vectors that a short contact excites.
+fn few_directions_are_enough(session: &Session) {
+    for temperature in [10.0, 20.0, 35.0] {
+        let mut scene = parse(&laminate(0.00152, temperature, ""));
+        (scene.impactor.mass, scene.time.end) = (0.05, 3e-4);
+        let projection = on_basis(session, &scene, 80);
+        let [few, all] = [1e-2, 1e-9].map(|tolerance| modal(&Scene { tolerance, ..scene.clone() }, &projection, 5e-7));
+        let change = few.difference(&all).history;
+        println!("  {temperature} °C: {change:.1e}");
+        // A change of zero would mean that all directions relax.
+        assert!(change > 1e-5 && change < TIME_STEP_SHARE * 1e-2, "{temperature}: {change:e}");
     }
 }
 
@@ -236,7 +259,7 @@ fn estimate_holds(session: &Session, laminates: &[(f64, f64)]) {
     for &(layer, temperature) in laminates {
         let scene = parse(&laminate(layer, temperature, ""));
         let body = whole(session, &scene);
-        let projection = projected(&body, &scene, 24);
+        let (projection, factor) = (projected(&body, &scene, 24), factor(&body, &scene));
         let alone = session.alone();
         let [small, large] = [16, 24]
             .map(|vectors| stepped(&scene, Body::of(&alone, &projection.leading(vectors).system()).unwrap(), 2e-6));
@@ -244,8 +267,7 @@ fn estimate_holds(session: &Session, laminates: &[(f64, f64)]) {
         let peak = full.iter().fold(0.0_f64, |peak, (_, force)| peak.max(*force));
         let difference =
             |other: &[(f64, f64)]| small.iter().zip(other).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max) / peak;
-        let (error, estimate) =
-            (difference(&full), ricochet::model::ERROR_FACTOR_OF_SMALLER_VISCOELASTIC * difference(&large));
+        let (error, estimate) = (difference(&full), factor * difference(&large));
         println!("  {layer} m at {temperature} °C: error {error:.1e}, estimate {estimate:.1e}");
         assert!(error <= estimate && estimate <= 10.0 * error, "{error:e} {estimate:e}");
     }
@@ -260,11 +282,12 @@ const STRONG: [(f64, f64, &str); 4] =
 const WIDE: &str = "{ modulus = 3.7e7, time = 5e-9 }, { modulus = 1.4e8, time = 7e-8 }, { modulus = 3.4e7, time = 1e-5 },
     { modulus = 1.3e8, time = 2.8e-3 }, { modulus = 4.2e7, time = 0.16 }, { modulus = 1.4e7, time = 2.3 }, { modulus = 3.6e6, time = 35.0 }";
 
-/// For a body whose modulus relaxes by a factor of a hundred or more within the run, with a basis of the size that it
-/// requires: the error of the basis is below its estimate. The estimate comes from the difference between two bases, so
-/// that it is close to the error of the smaller one; it is at most ten times that error. The larger one may be much more
-/// accurate by accident. Newmark's time steps of all unknowns are the reference; steps twice as long differ by at most
-/// 5e-5. In modal coordinates the time steps are as fine, and all directions of D relax.
+/// For bodies whose modulus relaxes by a factor of 4 to 1300 within the run, with a basis of the size that it
+/// requires: the error of the basis is below its estimate. The estimate is at most four times the larger of the errors of
+/// the two bases that were compared: the larger basis may be accurate by accident. The force in the time steps of the run,
+/// with the directions of D that it chooses, has a further error of at most the share of the time steps. The reference is Newmark's method for all
+/// unknowns in steps of 1.25e-7 s; twice the step changes the force by at most 5e-5 of its peak. In modal coordinates,
+/// the steps are 2.5e-7 s, and all directions of D relax.
 fn estimates_hold_of_strong_relaxation(session: &Session) {
     for (temperature, relaxed, series) in STRONG {
         let scene = parse(&format!(
@@ -281,11 +304,13 @@ fn estimates_hold_of_strong_relaxation(session: &Session) {
         let body = whole(session, &scene);
         let reduced = reduce(&session.world(), &*body, &scene, &Unwatched(&session.world())).unwrap();
         let full = stepped(&scene, *body, 1.25e-7);
-        let exact = Scene { tolerance: 1e-6, ..scene };
+        let (allowed, exact) = (TIME_STEP_SHARE * scene.tolerance, Scene { tolerance: 1e-6, ..scene });
         let [error, of_other] = [&reduced.projection, &reduced.judge].map(|on| off(&full, &modal(&exact, on, 2.5e-7)));
         let (counts, estimate) = (reduced.counts(), reduced.error.history);
         println!("  {temperature} °C: {counts:?} vectors, errors {error:.1e} {of_other:.1e}, estimate {estimate:.1e}");
         assert!(error <= estimate, "{temperature}: {error:e} {estimate:e}");
-        assert!(estimate <= 10.0 * error.max(of_other), "{temperature}: {error:e} {of_other:e} {estimate:e}");
+        assert!(estimate <= 4.0 * error.max(of_other), "{temperature}: {error:e} {of_other:e} {estimate:e}");
+        let (of_run, allowed) = (off(&full, &reduced.force.0), joined(estimate, allowed));
+        assert!(of_run <= allowed, "{temperature}: {of_run:e} {allowed:e}");
     }
 }
