@@ -163,8 +163,14 @@ pub fn beyond(ratio: f64, edges: Edges) -> String {
     )
 }
 
+/// Whether the estimated error of a tension at a time (s) does not apply, because it is after the end of the first
+/// contact (s), or because there was no contact.
+pub fn is_outside_first_contact(time: f64, first_end: Option<f64>) -> bool {
+    first_end.is_none_or(|end| time > end)
+}
+
 /// Lines with the largest values of a run, without the acceleration. `first_end` is the end of the first contact, s, if
-/// it has ended. `why` returns the reason for which the error of the largest tension is not estimated, if it is known.
+/// there was one. `why` returns the reason for which the error of the largest tension is not estimated, if it is known.
 pub fn lines(
     extremes: &Extremes,
     first_end: Option<f64>,
@@ -195,8 +201,9 @@ pub fn lines(
                 let why = why(largest).map_or(String::new(), |why| format!(": {why}"));
                 format!(", without an estimate of its error{why}")
             }
-            _ if first_end.is_some_and(|end| largest.time > end) => {
-                ", after the first contact; errors of tensions are estimated in the first contact only".to_owned()
+            _ if is_outside_first_contact(largest.time, first_end) => {
+                let when = if first_end.is_some() { "after the first contact" } else { "without a contact" };
+                format!(", {when}; errors of tensions are estimated in the first contact only")
             }
             error => format!(", estimated error {}", estimated(error)),
         };

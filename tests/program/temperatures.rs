@@ -84,6 +84,8 @@ fn temperatures_beyond_the_shift_are_noted() {
         let said = good(&folder, 0, &format!("check scene.toml --set body.temperature={temperature}")).stdout;
         let told = said.lines().any(|line| line.starts_with("note ") && line.contains("WLF's formula usually holds"));
         assert_eq!(told, is_told, "{temperature}: {said}");
+        // A room temperature in kelvin would be 200 °C or more.
+        assert_eq!(said.contains("body.temperature is in °C"), temperature >= 200.0, "{temperature}: {said}");
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::program::{ricochet, run};
 use crate::results::{change, column, folder, good, number, open, text, words};
 use mpi_test::{PlainTest, tests};
+use serde_json::Value;
 
 pub const TESTS: &[PlainTest] = tests![
     results_tell_the_largest_tension,
@@ -10,7 +11,8 @@ pub const TESTS: &[PlainTest] = tests![
     strengths_are_of_faces_that_are_there,
     sweeps_have_a_column_for_it,
     what_has_no_estimate_is_told,
-    tensions_at_clamped_edges_have_no_estimate
+    tensions_at_clamped_edges_have_no_estimate,
+    a_tension_after_the_first_contact_has_no_estimate
 ];
 
 /// A pane with a tension of some 60 MPa.
@@ -234,4 +236,23 @@ fn tensions_at_clamped_edges_have_no_estimate() {
     assert!(errors.read_raw::<f64>().unwrap().iter().all(|error| error.is_nan()));
     let said = good(&folder, 0, "limit scene.toml --vary impactor.speed=0.5..1");
     assert!(said.stderr.contains("the largest ratio of tension to strength is at a clamped edge"), "{said:?}");
+}
+
+/// The error of a tension is estimated in the first contact. `info --json` gives no estimate for a later one, or without
+/// a contact.
+fn a_tension_after_the_first_contact_has_no_estimate() {
+    let folder =
+        folder(&std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/laminate.toml")).unwrap());
+    let late = "after the first contact; errors of tensions are estimated in the first contact only";
+    for (settings, told) in [
+        ("", Some(late)),
+        (" --set time.end=1e-3", None),
+        (" --set time.end=1e-3 --set impactor.gap=0.1", Some("without a contact; errors of tensions")),
+    ] {
+        let said = good(&folder, 0, &format!("run scene.toml -o out.h5 --force{settings}")).stdout;
+        assert_eq!(said.contains("errors of tensions are estimated"), told.is_some(), "{said}");
+        assert!(told.is_none_or(|told| said.contains(told)), "{said}");
+        let facts: Value = serde_json::from_str(&good(&folder, 0, "info out.h5 --json").stdout).unwrap();
+        assert_eq!(facts["largest"]["tension"]["error_estimate"].is_null(), told.is_some(), "{facts}");
+    }
 }

@@ -41,6 +41,9 @@ const LEAST_OF_TABLE: f64 = 0.01;
 /// Temperature outside the usual range of a shift from which there is a note, K. The limits of the range are not sharp.
 const NEAR_RANGE: f64 = 10.0;
 
+/// Temperature from which it may be meant in K, °C.
+const LEAST_OF_KELVIN: f64 = 200.0;
+
 /// Diagonal of a body above which its lengths look like millimetres, m; the next limit must be exceeded too.
 const LONG_DIAGONAL: f64 = 20.0;
 
@@ -277,9 +280,10 @@ fn extrapolated(scene: &Scene, temperature: f64) -> Option<(f64, String)> {
     let beyond = ranges.map(|[low, high]| ((low - temperature).max(temperature - high), [low, high]));
     let (beyond, [low, high]) =
         beyond.max_by(|one, other| one.0.total_cmp(&other.0)).filter(|(beyond, _)| *beyond > NEAR_RANGE)?;
+    let unit = if temperature >= LEAST_OF_KELVIN { "; body.temperature is in °C, not in K" } else { "" };
     let text = format!(
         "WLF's formula usually holds from the glass transition to 100 K above, with the constants given from about {low:.0} to {high:.0} °C: at \
-         {temperature} °C the shear modulus is extrapolated; check it against measurements"
+         {temperature} °C the shear modulus is extrapolated; check it against measurements{unit}"
     );
     Some((beyond, text))
 }
