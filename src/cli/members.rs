@@ -100,7 +100,10 @@ impl Remarks {
                 );
                 all.warnings.add(member, remark("useless", first, text));
             } else if first > *tolerance {
-                let text = format!("{of_first}: `ricochet check` of this member's scene shows the causes of its error");
+                let text = format!(
+                    "{of_first}: if members share a basis, a smaller accuracy.tolerance lowers it; `ricochet check` of this member's scene shows other \
+                     causes"
+                );
                 all.warnings.add(member, remark("first contact", first, text));
             } else if whole > *tolerance {
                 let text = format!(
