@@ -13,7 +13,8 @@ use super::cells::{
     CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, fitted, of_other_bases, on_cells_built,
     on_coarser_cells, refine, unrefined, with_local_fields,
 };
-use super::reduce::{BASIS_SHARE, ErrorFactors, Reduced, larger, rate};
+use super::error_factors::ErrorFactors;
+use super::reduce::{BASIS_SHARE, Reduced, larger, rate};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::watch::Watch;
 use crate::body::{Assembled, rates};

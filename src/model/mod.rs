@@ -4,6 +4,7 @@ mod beside_echoes;
 mod cell_error;
 mod cells;
 mod elastic_cells;
+mod error_factors;
 mod layers;
 mod linearity;
 mod long_waves;
@@ -16,10 +17,11 @@ mod theory;
 mod trials;
 pub mod watch;
 
+pub use error_factors::ErrorFactors;
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
-pub use reduce::{BASIS_SHARE, ERROR_FACTOR_OF_SMALLER, ErrorFactors, Reduced, rate, reduce, reduce_from};
+pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, reduce_from};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
