@@ -14,10 +14,9 @@
 //!
 //! For a viscoelastic body, S = K + G̃(s) D + sC + s²M contains the modulus at the shift s, and D is projected in
 //! addition to K. Bodies that differ only in the Prony series therefore share the basis. The instantaneous response and
-//! the relaxed response have different shapes. Some vectors are therefore made at lower shifts, with
-//! the modulus at the respective shift: a rational Krylov space (A. Ruhe, Linear Algebra Appl. 58, 1984; multi-point moment matching,
-//! E. Grimme, Ph.D. thesis, Univ. of Illinois, 1997). In this space, the transform of the motion is exact at each
-//! shift.
+//! the relaxed response have different shapes. Some vectors are therefore made at lower shifts, with the modulus at the
+//! respective shift: a rational Krylov space (A. Ruhe, Linear Algebra Appl. 58, 1984; multi-point moment matching, E.
+//! Grimme, Ph.D. thesis, Univ. of Illinois, 1997). In this space, the transform of the motion is exact at each shift.
 //!
 //! If the contact is short compared with the slow motions of the body, the basis lacks these motions. For an
 //! unsupported body, the first vector is therefore the translation, which K maps to zero.

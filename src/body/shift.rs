@@ -31,8 +31,8 @@ const RELAXED: f64 = 0.9;
 
 /// Ratio of the moduli at the lowest and at the first shift from which on the first shift is sufficient. With ratios of
 /// 0.76 to 1, a laminate with a Prony series typical of PVB, at 0 to 50 °C, takes 0.7 times as many vectors at one
-/// shift as with equal numbers at three. With a ratio of 0.73, for a series over twelve decades, the error was as small as required, but
-/// 1.8 times its estimate.
+/// shift as with equal numbers at three. With a ratio of 0.73, for a series over twelve decades, the error was as small
+/// as required, but 1.8 times its estimate.
 const LITTLE_RELAXED: f64 = 0.75;
 
 /// Least ratio of the modulus at the end of the run to the modulus at the first shift for which the first shift is
@@ -40,8 +40,8 @@ const LITTLE_RELAXED: f64 = 0.75;
 /// thousandth later than at the lowest shift has different shapes then. Two bases with one modulus both lack them, so
 /// that their difference does not show this error. (Terms that are slow compared with the run act as springs. In a
 /// test, the series of thirteen laminates decreased below this ratio after the end of the run. For twelve of them, one
-/// shift, with two thirds of the vectors, had about the same error as equal numbers at three shifts. For one with an interlayer of 1.5
-/// mm, the error was 3.3e-3 of the peak instead of 1.5e-3.)
+/// shift, with two thirds of the vectors, had about the same error as equal numbers at three shifts. For one with an
+/// interlayer of 1.5 mm, the error was 3.3e-3 of the peak instead of 1.5e-3.)
 const LEFT_AT_LAST: f64 = 0.4;
 
 /// A shift at which basis vectors are made.

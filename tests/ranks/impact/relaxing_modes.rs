@@ -282,12 +282,12 @@ const STRONG: [(f64, f64, &str); 4] =
 const WIDE: &str = "{ modulus = 3.7e7, time = 5e-9 }, { modulus = 1.4e8, time = 7e-8 }, { modulus = 3.4e7, time = 1e-5 },
     { modulus = 1.3e8, time = 2.8e-3 }, { modulus = 4.2e7, time = 0.16 }, { modulus = 1.4e7, time = 2.3 }, { modulus = 3.6e6, time = 35.0 }";
 
-/// For bodies whose modulus relaxes by a factor of 4 to 1300 within the run, with a basis of the size that it
-/// requires: the error of the basis is below its estimate. The estimate is at most four times the larger of the errors of
-/// the two bases that were compared: the larger basis may be accurate by accident. The force in the time steps of the run,
-/// with the directions of D that it chooses, has a further error of at most the share of the time steps. The reference is Newmark's method for all
-/// unknowns in steps of 1.25e-7 s; twice the step changes the force by at most 5e-5 of its peak. In modal coordinates,
-/// the steps are 2.5e-7 s, and all directions of D relax.
+/// For bodies whose modulus relaxes by a factor of 4 to 1300 within the run, with a basis of the size that it requires:
+/// the error of the basis is below its estimate. The estimate is at most four times the larger of the errors of the two
+/// bases that were compared: the larger basis may be accurate by accident. The force in the time steps of the run, with
+/// the directions of D that it chooses, has a further error of at most the share of the time steps. The reference is
+/// Newmark's method for all unknowns in steps of 1.25e-7 s; twice the step changes the force by at most 5e-5 of its
+/// peak. In modal coordinates, the steps are 2.5e-7 s, and all directions of D relax.
 fn estimates_hold_of_strong_relaxation(session: &Session) {
     for (temperature, relaxed, series) in STRONG {
         let scene = parse(&format!(
