@@ -15,7 +15,7 @@ mod stepped;
 mod time_integration;
 
 pub use estimate::{Cause, ErrorEstimate, ErrorRule, Errors, beside, estimated, joined, rest};
-pub use modal::{ModalImpact, Steps, TIME_STEP_SHARE, Trace};
+pub use modal::{KnownForce, ModalImpact, Steps, TIME_STEP_SHARE, Trace};
 pub use observer::{Observer, Until};
 pub use parameters::ImpactParameters;
 pub use reading::{Probe, ProbeForms, Reading, Readout};

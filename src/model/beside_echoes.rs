@@ -82,7 +82,7 @@ pub(super) fn reduce(
         let mut growth = GROWTH_IF_UNSOLVED;
         match compare(&mut trials, &projection) {
             Ok(Compared { trial, judge, of_judge }) => {
-                let Trial { force, steps, modal, in_longest_steps } = trial;
+                let Trial { force, steps, modal, known } = trial;
                 let difference = of_judge.force.difference(&force);
                 let error = rule.errors(difference);
                 let over = watch.agreed(error.of(scene.measure) / wanted);
@@ -99,7 +99,7 @@ pub(super) fn reduce(
                         force: (force, steps),
                         modal,
                         modal_of_judge: of_judge.modal,
-                        in_longest_steps,
+                        known,
                     });
                 }
                 last = Some(Judged { vectors: count, error: over * wanted, wanted });

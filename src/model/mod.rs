@@ -33,7 +33,7 @@ use petsc_wrap::Comm;
 use crate::body::{Body, ModalBody, Projection};
 use crate::contact::Patch;
 use crate::error::Result;
-use crate::impact::{Cause, ErrorEstimate, ErrorRule, Errors, Steps, Trace};
+use crate::impact::{Cause, ErrorEstimate, ErrorRule, Errors, KnownForce};
 use crate::mesh::Measures;
 use crate::scene::{self, Scene};
 use crate::solve::Method;
@@ -54,8 +54,8 @@ pub struct Model {
     pub vectors: Option<usize>,
     /// The body reduced to another basis, for estimating the error of impacts that differ from the scene's.
     pub judge: Option<JudgeBasis>,
-    /// Contact force of the scene's impact in the longest time steps of its error control, if known, with these steps.
-    pub in_longest_steps: Option<(Trace, Steps)>,
+    /// Contact forces of the scene's impact that are known already, in time steps that its error control tries.
+    pub known: Vec<KnownForce>,
     /// Estimated error by basis, discretisation and theory, as far as each is known.
     pub error: ErrorEstimate,
     /// Reason for this theory, if it was selected automatically.
@@ -145,7 +145,7 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
-        let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, in_longest_steps, .. } = reduced;
+        let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, .. } = reduced;
         let vectors = projection.vectors();
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
@@ -159,7 +159,7 @@ impl Model {
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
         let bare = Self::bare(theory, dynamics, unknowns, discretisation);
-        let model = Self { vectors, judge, in_longest_steps, gauges, measures, ..bare };
+        let model = Self { vectors, judge, known, gauges, measures, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -176,7 +176,7 @@ impl Model {
             discretisation,
             vectors: None,
             judge: None,
-            in_longest_steps: None,
+            known: Vec::new(),
             error: ErrorEstimate::default(),
             reason: None,
             gauges: None,

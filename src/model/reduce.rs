@@ -4,7 +4,7 @@ use petsc_wrap::Comm;
 
 use crate::body::{DirectSum, LinearBody, ModalBody, Projection, SHIFT_OVER_CUTOFF, Start};
 use crate::error::{Error, Result};
-use crate::impact::{ErrorRule, Errors, Steps, Trace};
+use crate::impact::{ErrorRule, Errors, KnownForce, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
 use super::beside_echoes;
@@ -101,10 +101,10 @@ pub struct Reduced {
     pub modal: Option<ModalBody>,
     /// The same on the other basis. It is kept for viscoelastic bodies, and for bases beside echoes in closed form.
     pub modal_of_judge: Option<ModalBody>,
-    /// The force in the longest time steps of the scene's error control ([`ModalImpact::with_longest_steps`]).
+    /// Forces in the time steps that error control tried ([`ModalImpact::with_known`]).
     ///
-    /// [`ModalImpact::with_longest_steps`]: crate::impact::ModalImpact::with_longest_steps
-    pub in_longest_steps: Option<(Trace, Steps)>,
+    /// [`ModalImpact::with_known`]: crate::impact::ModalImpact::with_known
+    pub known: Vec<KnownForce>,
 }
 
 /// A basis that was tried.
@@ -194,7 +194,7 @@ pub fn reduce_from(
             // The basis spans all motions that the forces excite, up to rounding.
             Ok(mut trial) if is_exhausted && (given.is_none() || tried.is_empty()) => {
                 trials.shorten_steps(&projection, &mut trial)?;
-                let Trial { force, steps, modal, in_longest_steps } = trial;
+                let Trial { force, steps, modal, known } = trial;
                 return Ok(Reduced {
                     judge: projection.clone(),
                     projection,
@@ -206,7 +206,7 @@ pub fn reduce_from(
                     force: (force, steps),
                     modal,
                     modal_of_judge: None,
-                    in_longest_steps,
+                    known,
                 });
             }
             Ok(mut trial) => {
@@ -256,7 +256,7 @@ pub fn reduce_from(
                             pair.reverse();
                         }
                         let [(projection, trial), (judge, of_judge)] = pair;
-                        let Trial { force, steps, modal, in_longest_steps } = trial;
+                        let Trial { force, steps, modal, known } = trial;
                         return Ok(Reduced {
                             projection,
                             judge,
@@ -268,7 +268,7 @@ pub fn reduce_from(
                             force: (force, steps),
                             modal,
                             modal_of_judge: of_judge.modal.filter(|_| relaxes),
-                            in_longest_steps,
+                            known,
                         });
                     }
                 }

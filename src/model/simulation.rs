@@ -34,7 +34,7 @@ impl Simulation {
         let (of_model, patch) = (model.error, model.dynamics.patch());
         let mut integration: Box<dyn TimeIntegration> = match model.dynamics {
             Dynamics::Stepped(body) => Box::new(SteppedImpact::new(scene, *body)?),
-            Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body).with_longest_steps(model.in_longest_steps)),
+            Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body).with_known(model.known)),
         };
         let (mut sampler, mut faces, mut face_points) = (None, Vec::new(), Vec::new());
         if let Some(Gauges { readout, sampler: of_fields, .. }) = model.gauges {

@@ -8,7 +8,7 @@ use petsc_wrap::Comm;
 use crate::body::{Body, FEW_MODES, ModalBody, Projection};
 use crate::error::Result;
 use crate::impact::step::Step;
-use crate::impact::{ModalImpact, Reading, SteppedImpact, Steps, Trace, Until};
+use crate::impact::{KnownForce, ModalImpact, Reading, SteppedImpact, Steps, Trace, Until};
 use crate::scene::Scene;
 
 use super::watch::{Stage, Watch};
@@ -44,8 +44,8 @@ pub(super) struct Trial {
     pub steps: Option<Steps>,
     /// The body in modal coordinates, if the force was computed in them.
     pub modal: Option<ModalBody>,
-    /// The force in the longest time steps that were tried, if the basis chose its own in modal coordinates.
-    pub in_longest_steps: Option<(Trace, Steps)>,
+    /// Forces in all time steps that were tried, if the basis chose its own in modal coordinates.
+    pub known: Vec<KnownForce>,
 }
 
 impl<'a> Trials<'a> {
@@ -110,7 +110,7 @@ impl<'a> Trials<'a> {
         if is_shorter {
             *trial = own;
         } else {
-            trial.modal = own.modal.take();
+            (trial.modal, trial.known) = (own.modal.take(), own.known);
         }
         Ok(())
     }
@@ -125,9 +125,9 @@ impl<'a> Trials<'a> {
             let mut impact = ModalImpact::new(scene, &body).without_energies();
             let (force, taken) =
                 impact.trace_watched(steps, &mut Until { interrupted: &|| watch.is_raised_here(), take })?;
-            let in_longest_steps = impact.take_in_longest_steps();
+            let known = impact.take_known();
             drop(impact);
-            return Ok(Trial { force, steps: Some(taken), modal: Some(body), in_longest_steps });
+            return Ok(Trial { force, steps: Some(taken), modal: Some(body), known });
         }
         let mut force = Trace::default();
         let mut last: Option<(f64, f64)> = None;

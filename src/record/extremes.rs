@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::record::read::open;
-use crate::record::stress::{LargestTension, TensionExtreme};
+use crate::record::stress::{Largest, LargestTension, Stresses, TensionExtreme};
 
 /// Value of a series and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -29,6 +29,8 @@ pub struct Extremes {
     pub deflection: Extreme,
     /// Largest tension on the faces; `None` if no stresses were read.
     pub tension: Option<TensionExtreme>,
+    /// Largest tension on each face, from the struck face down.
+    pub faces: Vec<Largest>,
     /// Largest values at each probe, in the order of the names of the probes.
     pub probes: Vec<ProbeExtremes>,
 }
@@ -51,11 +53,12 @@ pub struct ProbeExtremes {
 /// # Errors
 /// Same as [`super::read::history`]; [`Error::Io`] if a series cannot be read.
 pub fn extremes(path: &Path) -> Result<Option<Extremes>> {
+    let faces = Stresses::read(path)?.map_or_else(Vec::new, |stresses| stresses.peaks());
     let file = open(path)?;
-    of(&file).map_err(|error| Error::io(path, format!("its series cannot be read: {error}")))
+    of(&file, faces).map_err(|error| Error::io(path, format!("its series cannot be read: {error}")))
 }
 
-fn of(file: &hdf5::File) -> hdf5::Result<Option<Extremes>> {
+fn of(file: &hdf5::File, faces: Vec<Largest>) -> hdf5::Result<Option<Extremes>> {
     let column = |name: &str| file.dataset(&format!("series/{name}"))?.read_raw::<f64>();
     let time = column("time")?;
     let largest = |values: &[f64], size: fn(f64) -> f64| {
@@ -93,6 +96,7 @@ fn of(file: &hdf5::File) -> hdf5::Result<Option<Extremes>> {
         force: peaks.chain([of_rows]).max_by(|one, other| one.value.total_cmp(&other.value)).unwrap_or(of_rows),
         deflection: largest(&column("contact/surface_displacement")?, f64::abs),
         tension: LargestTension::read(file).filter(|tension| !tension.largest.value.is_nan()),
+        faces,
         probes,
     }))
 }

@@ -85,10 +85,19 @@ pub struct ModalImpact<B> {
     readout: Option<Readout>,
     /// Contact force of the last run, and its time steps.
     last: Option<(Trace, Steps)>,
-    /// Contact force in the longest time steps that error control tries, with these steps, if known.
-    in_longest: Option<(Trace, Steps)>,
+    /// Contact forces of the same scene and body that are known already.
+    known: Vec<KnownForce>,
     /// Cost of the runs so far.
     pub count: Count,
+}
+
+/// Contact force of a run, and its time steps.
+#[derive(Debug, Clone)]
+pub struct KnownForce {
+    /// The force.
+    pub trace: Trace,
+    /// Time steps of the run.
+    pub steps: Steps,
 }
 
 /// Result of a run.
@@ -117,7 +126,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             has_energies: true,
             readout: None,
             last: None,
-            in_longest: None,
+            known: Vec::new(),
             count: Count::default(),
         }
     }
@@ -185,17 +194,16 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         self.last.as_ref()
     }
 
-    /// Sets the contact force in the longest time steps that error control tries, as computed before by
-    /// [`Self::take_in_longest_steps`]. It must be of the same scene and body: only the steps are compared.
+    /// Sets contact forces that were computed before ([`Self::take_known`]), which error control need not compute
+    /// again. They must be of the same scene and body: only the steps are compared.
     #[must_use]
-    pub fn with_longest_steps(self, known: Option<(Trace, Steps)>) -> Self {
-        Self { in_longest: known, ..self }
+    pub fn with_known(self, known: Vec<KnownForce>) -> Self {
+        Self { known, ..self }
     }
 
-    /// Returns the contact force in the longest time steps that error control tried in [`Self::trace`], with these
-    /// steps.
-    pub fn take_in_longest_steps(&mut self) -> Option<(Trace, Steps)> {
-        self.in_longest.take()
+    /// Returns the contact forces in all time steps that error control tried in [`Self::trace`].
+    pub fn take_known(&mut self) -> Vec<KnownForce> {
+        std::mem::take(&mut self.known)
     }
 
     /// Computes only the contact force, in the given time steps or those of the scene; returns it with the time steps
@@ -253,17 +261,11 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let defect = |largest: f64, peak: f64| peak * (largest / (FIRST_STEP_FACTOR * contact)).powi(3).min(0.1);
         let guess = self.guess();
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
-        let mut coarse = match self.in_longest.take() {
-            Some((trace, sizes)) if sizes == coarse => Done { trace, sizes, steps: Vec::new(), faces: None },
-            _ => self.once(coarse, false, observer)?,
-        };
-        if !observed {
-            self.in_longest = Some((coarse.trace.clone(), coarse.sizes));
-        }
+        let mut coarse = self.known_or_once(coarse, false, observer)?;
         // The first run only serves for comparison. A later run is accepted as the coarser one as soon as a finer run
         // shows that its steps are short enough, because a doubled step may be too long for the assumed order of
-        // convergence. Observers receive the second run, which is accepted in most cases; of later runs, only the
-        // accepted one is repeated for them.
+        // convergence. Observers receive the second run, unless its force is known already; it is accepted in most
+        // cases. Of the other runs, only the accepted one is repeated for them.
         // (Trial runs have no observer. They return the finer run and are also compared between the steps, because
         // their differences are used to estimate the errors of bases and cells.)
         for refinement in 0..REFINEMENTS {
@@ -271,7 +273,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let peak = coarse.trace.peak();
             let peak = if peak > 0.0 { peak } else { guess };
             let steps = Steps { largest, defect: Some(defect(largest, peak)), peak: 1.1 * peak };
-            let fine = self.once(steps, observed && refinement == 0, observer)?;
+            let fine = self.known_or_once(steps, observed && refinement == 0, observer)?;
             let difference = match observed {
                 true => fine.trace.difference_at_steps(&coarse.trace),
                 false => fine.trace.difference(&coarse.trace),
@@ -281,11 +283,11 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let is_met = |error: &Errors| error.of(self.measure) <= self.tolerance;
             if observed && refinement > 0 && is_met(&by_halves) && !observer.is_interrupted() {
                 self.count_errors(by_halves);
-                return if refinement > 1 { self.once(coarse.sizes, true, observer) } else { Ok(coarse) };
+                return self.shown(coarse, observer);
             }
             if is_met(&by_doubles) || observer.is_interrupted() {
                 self.count_errors(by_doubles);
-                return if observed && refinement > 0 { self.once(fine.sizes, true, observer) } else { Ok(fine) };
+                return if observed { self.shown(fine, observer) } else { Ok(fine) };
             }
             coarse = fine;
         }
@@ -293,6 +295,24 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             "steps below {largest:.1e} s do not bring the error under accuracy.tolerance = {:e}",
             self.tolerance
         )))
+    }
+
+    /// Returns the run in given time steps with its force alone, if the force is known; otherwise computes it as
+    /// [`Self::once`] does.
+    fn known_or_once(&mut self, steps: Steps, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
+        if let Some(KnownForce { trace, steps }) = self.known.iter().find(|known| known.steps == steps) {
+            return Ok(Done { trace: trace.clone(), sizes: *steps, steps: Vec::new(), faces: None });
+        }
+        let done = self.once(steps, observed, observer)?;
+        if !observed {
+            self.known.push(KnownForce { trace: done.trace.clone(), steps });
+        }
+        Ok(done)
+    }
+
+    /// Returns an accepted run with the steps for observers, for which it is repeated unless it has them.
+    fn shown(&mut self, done: Done, observer: &mut dyn Observer) -> Result<Done> {
+        if done.steps.is_empty() { self.once(done.sizes, true, observer) } else { Ok(done) }
     }
 
     fn count_errors(&mut self, error: Errors) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use hdf5_metno as hdf5;
+use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::record::read::{check_run, open};
@@ -48,7 +49,7 @@ pub struct Face {
 }
 
 /// Stress with its position and time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Largest {
     /// Stress, Pa.
     pub value: f64,
@@ -80,6 +81,11 @@ impl Stresses {
     pub fn peak_on(&self, face: &str) -> Option<Largest> {
         let of_run = self.largest.clone().filter(|largest| largest.face == face);
         of_run.or_else(|| self.faces.iter().find(|of| of.name == face)?.peak(&self.time))
+    }
+
+    /// Largest stress on each face that has one ([`Self::peak_on`]).
+    pub fn peaks(&self) -> Vec<Largest> {
+        self.faces.iter().filter_map(|face| self.peak_on(&face.name)).collect()
     }
 
     /// Reads the stresses of the result `path`; `None` if the result has none. After a kill, the lengths of the
