@@ -345,7 +345,7 @@ impl Rule<'_> {
         trials: &mut Trials,
         is_last: bool,
     ) -> Result<Judgement> {
-        let judgement = self.judge(judge.force.difference(&trial.force));
+        let judgement = self.judge([&judge.force, &trial.force]);
         if !(is_last || judgement.is_met) {
             return Ok(judgement);
         }
@@ -354,12 +354,19 @@ impl Rule<'_> {
             return Ok(judgement);
         }
         *judge = trials.force_on(judge.modal.take(), trial.steps, &projection.leading(self.smaller))?;
-        Ok(self.judge(judge.force.difference(&trial.force)))
+        Ok(self.judge([&judge.force, &trial.force]))
     }
 
-    /// Estimates the error from the difference of the two forces. Collective.
-    fn judge(&self, difference: Errors) -> Judgement {
+    /// Estimates the error from the difference of the forces on the smaller and the larger basis. Without a contact, the
+    /// motion is compared instead: loads may move the body. Collective.
+    fn judge(&self, [on_smaller, on_larger]: [&Trace; 2]) -> Judgement {
         let Self { scene, watch, start, vectors, smaller, factors } = *self;
+        let mut difference = on_smaller.difference(on_larger);
+        if !(on_smaller.has_contact() || on_larger.has_contact()) {
+            // The maximum ignores NaN, the difference of tensions that are not read.
+            let of_motion = on_smaller.difference_of_displacement(on_larger).max(difference.stress);
+            difference = Errors { first_contact: of_motion, history: of_motion, ..difference };
+        }
         let share = if start.leaves_short_waves { BASIS_SHARE_OF_LONG_WAVES } else { BASIS_SHARE };
         let wanted = share * scene.tolerance;
         let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));

@@ -52,9 +52,10 @@ fn shifted(wlf: &Wlf, temperature: Option<f64>) -> String {
 fn materials(body: &Body) -> Vec<(String, &Material)> {
     match &body.composition.parts {
         Parts::Whole(material) => vec![("the body".to_owned(), material)],
-        Parts::Layers(layers) => {
-            (1..).zip(layers).map(|(number, layer)| (format!("layer {number}"), &layer.material)).collect()
-        }
+        Parts::Layers(layers) => (1..)
+            .zip(layers)
+            .map(|(number, layer)| (format!("layer {number} ({})", layer.name), &layer.material))
+            .collect(),
         Parts::Volumes(volumes) => volumes.iter().map(|(name, material)| (name.clone(), material)).collect(),
     }
 }

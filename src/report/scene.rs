@@ -62,7 +62,7 @@ fn body(body: &Body) -> Vec<Fact> {
         Parts::Whole(material) => rows.extend(constants("", material)),
         Parts::Layers(layers) => {
             for (number, layer) in layers.iter().enumerate() {
-                let prefix = format!("Layer {}: ", number + 1);
+                let prefix = format!("Layer {} ({}): ", number + 1, layer.name);
                 rows.push(Fact::new(format!("{prefix}thickness"), given(layer.thickness, LENGTH)));
                 rows.extend(constants(&prefix, &layer.material));
             }

@@ -32,6 +32,8 @@ pub enum Parts {
 pub struct Layer {
     /// Thickness, m.
     pub thickness: f64,
+    /// Name of the material in the scene.
+    pub name: String,
     /// Material of the layer.
     pub material: Material,
 }
@@ -94,7 +96,7 @@ impl Composition {
         let parts = match &self.parts {
             Parts::Whole(material) => Parts::Whole(at(material)),
             Parts::Layers(layers) => {
-                let of_layer = |layer: &Layer| Layer { thickness: layer.thickness, material: at(&layer.material) };
+                let of_layer = |layer: &Layer| Layer { material: at(&layer.material), ..layer.clone() };
                 Parts::Layers(layers.iter().map(of_layer).collect())
             }
             Parts::Volumes(volumes) => {
@@ -150,7 +152,7 @@ mod tests {
     fn layers(parts: &[(f64, f64)]) -> Composition {
         let layer = |&(thickness, density): &(f64, f64)| {
             let material = Material::elastic(form::Material { young: 70e9, poisson: 0.23, density });
-            Layer { thickness, material }
+            Layer { thickness, name: "glass".to_owned(), material }
         };
         let layers: Vec<Layer> = parts.iter().map(layer).collect();
         let struck = layers[0].material.instantaneous;

@@ -203,11 +203,11 @@ fn layers_that_relax_have_their_chains() {
     let folder = folder(&scene);
     good(&folder, 0, "run scene.toml -o out.h5 --set output.stress=false");
     let page = report(&folder);
-    let relaxing = "Shear modulus of layer 2, layer 4 at 71.6 °C: G(t) = G∞ + Σ Gᵢ exp(−t/τᵢ), 19.90 MPa at t → 0 and G∞ = 0.4 MPa";
+    let relaxing = "Shear modulus of layer 2 (film), layer 4 (film) at 71.6 °C: G(t) = G∞ + Σ Gᵢ exp(−t/τᵢ), 19.90 MPa at t → 0 and G∞ = 0.4 MPa";
     // log₁₀ a_T = −4 · 51.6/103.2
     let shifted = "The times above are those at 71.6 °C: the given ones, which hold at T₀, times a_T = 0.01000";
     says(&page, &[shifted, "C₁ = 4, C₂ = 51.6 K and T₀ = 20 °C"]);
-    says(&page, &[relaxing, "Layer 2: Young’s modulus at t → 0", "Layer 3: Young’s modulus"]);
+    says(&page, &[relaxing, "Layer 2 (film): Young’s modulus at t → 0", "Layer 3 (glass): Young’s modulus"]);
     // The shorter relaxation time comes first.
     let cells: Vec<String> = select(&page, "td").collect();
     assert!(cells.windows(2).any(|moduli| moduli == ["12.00", "7.500"]), "{cells:?}");

@@ -8,7 +8,7 @@ use crate::material::Material;
 use crate::mesh::{Measures, Surface};
 use crate::model;
 use crate::scene::{
-    Contact, Geometry, Impactor, Parts, Scene, Scheme, Strength, Support, SupportKind, Symmetry, Vec3, Within,
+    Contact, Geometry, Impactor, Layer, Parts, Scene, Scheme, Strength, Support, SupportKind, Symmetry, Vec3, Within,
 };
 
 use super::super::notes::describe_model;
@@ -119,9 +119,11 @@ fn materials(scene: &Scene) -> Vec<String> {
     };
     match &scene.body.composition.parts {
         Parts::Whole(material) => vec![words(material)],
-        Parts::Layers(layers) => layers
-            .iter()
-            .map(|layer| format!("{} mm: {}", rounded(1e3 * layer.thickness), words(&layer.material)))
+        Parts::Layers(layers) => (1..)
+            .zip(layers)
+            .map(|(number, Layer { thickness, name, material })| {
+                format!("layer {number}, {} mm of {name}: {}", rounded(1e3 * thickness), words(material))
+            })
             .collect(),
         Parts::Volumes(volumes) => {
             volumes.iter().map(|(name, material)| format!("{name:?}: {}", words(material))).collect()
@@ -341,8 +343,8 @@ mod tests {
              [strength]\ntension = 45e6\nface = { 1-upper = 9e5 }\n\
              [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e8\nspeed = 1.0\n[time]\nend = 1e-3\n";
         let scene = Scene::parse("scene", text, &[]).expect("a scene").0;
-        let glass = "10 mm: E = 70 GPa, ν = 0.23, ρ = 2500 kg/m³";
-        let soft = "0.76 mm: K = 2 GPa, G from 41 MPa down to 1 MPa (Maxwell chain, terms: 1), ρ = 1100 kg/m³";
+        let glass = "layer 1, 10 mm of glass: E = 70 GPa, ν = 0.23, ρ = 2500 kg/m³";
+        let soft = "layer 2, 0.76 mm of soft: K = 2 GPa, G from 41 MPa down to 1 MPa (Maxwell chain, terms: 1), ρ = 1100 kg/m³";
         assert_eq!(materials(&scene), [glass, soft]);
         assert_eq!(strengths(&scene.strength).as_deref(), Some("45 MPa, 900000 Pa on \"1-upper\""));
     }

@@ -11,6 +11,7 @@ use crate::impact::step::Step;
 use crate::impact::{Reading, Until};
 use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Linearity, Model, Simulation};
+use crate::record::episodes::Episodes;
 use crate::record::stress::strengths;
 use crate::scene::{self, Scene, Source, Vec3};
 use crate::space::evaluate::FaceTension;
@@ -18,7 +19,8 @@ use crate::space::evaluate::FaceTension;
 use super::super::follow::Follower;
 use super::super::interrupt::Interrupt;
 use super::super::notes::{Verdict, missing_faces, near_clamped_edge, verdict};
-use super::super::summary::Summary;
+use super::super::short;
+use super::super::summary::{Summary, is_outside_first_contact};
 
 /// A value of the key, with the result of its run.
 #[derive(Debug, Clone)]
@@ -117,10 +119,12 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     }
     warnings.extend(missing_faces(scene, &faces).map(|remark| remark.text));
     let (mut summary, mut most) = (Summary::default().following(linearity), Utilisation::new());
+    let mut contacts = Episodes::new(scene.impactor.mass);
     let flow = impact.run_watched(&mut Until {
         interrupted: &|| interrupt.is_raised(comm),
         take: |step: &Step, reading: &Reading| {
             summary.step(step);
+            contacts.push(step);
             most.take(step, &reading.faces, &faces, &strengths);
         },
     })?;
@@ -139,6 +143,15 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
         );
     } else if let Some(distance) = scene.hit_near_clamped_edge() {
         warnings.push(near_clamped_edge(distance));
+    }
+    let first_end = contacts.all().first().map(|first| first.end);
+    if !most.error_estimate.is_nan() && is_outside_first_contact(most.time, first_end) {
+        let when = if first_end.is_some() { "after the first contact" } else { "without a contact" };
+        warnings.push(format!(
+            "the largest ratio of tension to strength is reached at {} ms, {when}; errors of tensions are estimated in the first contact only, so \
+             the uncertainty of the limit may be larger than stated",
+            short(1e3 * most.time)
+        ));
     }
     most.warnings = warnings;
     drop(impact);

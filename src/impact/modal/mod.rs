@@ -391,6 +391,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
+            done.trace.push_displacement(time, motion.state.surface(&modes) + modes.residual * motion.force);
             if let Some(tension) = of_hit.as_ref().filter(|_| time <= done.trace.needs_tension_until()) {
                 done.trace.push_tension(time, tension.at(&motion));
             }

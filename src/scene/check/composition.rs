@@ -119,7 +119,8 @@ fn layers(
             };
             return Err(source.error(&path, format!("there is no material \"{}\"", layer.material), help));
         };
-        layers.push(Layer { thickness: layer.thickness.0, material: material.clone() });
+        let (name, material) = (layer.material.clone(), material.clone());
+        layers.push(Layer { thickness: layer.thickness.0, name, material });
     }
     let names: Vec<String> = raw.body.layer.0.iter().map(|layer| layer.material.clone()).collect();
     if let Some(unused) = known.iter().find(|name| names.iter().all(|used| used != *name)) {
