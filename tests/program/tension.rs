@@ -7,6 +7,7 @@ use serde_json::Value;
 
 pub const TESTS: &[PlainTest] = tests![
     results_tell_the_largest_tension,
+    each_face_of_a_laminate_is_told,
     maps_have_the_largest_tension_at_each_point,
     strengths_are_of_faces_that_are_there,
     sweeps_have_a_column_for_it,
@@ -19,6 +20,32 @@ pub const TESTS: &[PlainTest] = tests![
 const PANE: &str = "[body]\nmodel = \"mindlin\"\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.5, 0.02]\n\
                     [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n\
                     [impactor]\nmass = 52.0\nspeed = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n[time]\nend = 5e-4\n";
+
+/// A run and `info` have the largest tension on each face of the layers, from the struck one down.
+fn each_face_of_a_laminate_is_told() {
+    let layer = |thickness: f64, material: &str| {
+        format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{material}\"\n")
+    };
+    let glass = layer(0.01, "glass");
+    let film = layer(0.00076, "film");
+    let folder = folder(&format!(
+        "[body]\nsize = [0.5, 0.5]\nmodel = \"layerwise\"\nreduction = 20\n{glass}{film}{glass}\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.film]\nyoung = 1e7\npoisson = 0.45\ndensity = 1100.0\n\
+         [impactor]\nmass = 52.0\nspeed = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n[time]\nend = 5e-4\n"
+    ));
+    let said = good(&folder, 0, "run scene.toml -o out.h5");
+    assert!(said.stdout.contains("\nlargest tension on each face, MPa: 1-upper "), "{said:?}");
+    let facts: Value = serde_json::from_str(&good(&folder, 0, "info out.h5 --json").stdout).unwrap();
+    let faces = facts["largest"]["faces"].as_array().unwrap();
+    let names = ["1-upper", "1-lower", "2-upper", "2-lower", "3-upper", "3-lower"];
+    assert_eq!(faces.len(), names.len(), "{facts:#}");
+    for (face, name) in faces.iter().zip(names) {
+        let largest = column(&folder.path().join("out.h5"), &format!("stress/{name}/largest"));
+        let largest = largest.into_iter().fold(f64::NAN, f64::max);
+        assert_eq!((face["face"].as_str(), face["value"].as_f64()), (Some(name), Some(largest)), "{facts:#}");
+    }
+}
 
 /// The attributes agree with the series, with 2 ranks as with one. The tension of the contact ring follows from F and α
 /// with only ν and R.
