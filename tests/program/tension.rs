@@ -43,7 +43,9 @@ fn each_face_of_a_laminate_is_told() {
     for (face, name) in faces.iter().zip(names) {
         let largest = column(&folder.path().join("out.h5"), &format!("stress/{name}/largest"));
         let largest = largest.into_iter().fold(f64::NAN, f64::max);
-        assert_eq!((face["face"].as_str(), face["value"].as_f64()), (Some(name), Some(largest)), "{facts:#}");
+        let value = face["value"].as_f64().unwrap();
+        // Reading a number from JSON may round it.
+        assert!((value / largest - 1.0).abs() < 1e-15 && face["face"] == name, "{largest} {facts:#}");
     }
 }
 
