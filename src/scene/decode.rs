@@ -42,7 +42,7 @@ fn refuse(source: &Source, path: &[String], text: &str) -> SceneError {
         if path.last() != Some(&name) {
             path.push(name);
         }
-        let help = suggest::help(name, &known, '`');
+        let help = suggest::help_with_key(name, &known);
         return source.error_at(&path, Mark::Key, "unknown key".into(), help);
     }
     if let Some(name) = text.strip_prefix("missing field `") {

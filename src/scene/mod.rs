@@ -8,6 +8,7 @@ mod composition;
 mod decode;
 mod differences;
 mod doubts;
+mod elsewhere;
 mod error;
 pub(crate) mod faces;
 mod fault;
