@@ -82,6 +82,15 @@ impl ModalBody {
         }
     }
 
+    /// Highest frequency of the modes that loads move, rad/s. Time steps must resolve it, because results are read at the
+    /// steps.
+    pub fn loaded(&self) -> f64 {
+        match &self.source {
+            Source::Given(_) => 0.0,
+            Source::Spectrum(spectrum) => spectrum.loaded(),
+        }
+    }
+
     /// Ratio of the cutoff frequency of the modes to the frequency that chosen time steps resolve.
     pub fn cutoff_ratio(&self) -> f64 {
         match &self.source {

@@ -218,7 +218,7 @@ pub fn lines(
         }
         lines.push(line);
     }
-    // A body of one layer has two faces; of these, the line above names the one that matters.
+    // Of two faces, the line above names the one that matters.
     if extremes.faces.len() > 2 {
         let faces: Vec<String> =
             extremes.faces.iter().map(|of| format!("{} {}", of.face, short(1e-6 * of.value))).collect();

@@ -214,7 +214,7 @@ fn hertz_indentation(approach: f64, part: f64) -> f64 {
     // y = c_l k0 √α solves y² (1 − y) = scaled.
     let scaled = (part * part * approach).min(4.0 / 27.0);
     let mut y = if scaled < SERIES_BELOW {
-        // Lagrange's inversion in t = √scaled, y = t + t²/2 + 5t³/8 + t⁴ + …, with an error below 1% of y. (Viète's
+        // Lagrange's inversion in t = √scaled, y = t + t²/2 + 5t³/8 + t⁴ + …, with an error of about 1% of y at most. (Viète's
         // formula has no correct digits for small values.)
         let t = scaled.sqrt();
         t * (1.0 + t * (0.5 + t * (0.625 + t)))

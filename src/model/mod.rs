@@ -21,6 +21,7 @@ pub use error_factors::ErrorFactors;
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
+use reduce::is_moved_by_loads;
 pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, reduce_from};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
@@ -58,6 +59,8 @@ pub struct Model {
     pub known: Vec<KnownForce>,
     /// Estimated error by basis, discretisation and theory, as far as each is known.
     pub error: ErrorEstimate,
+    /// Whether loads move the body and the impactor does not touch it. No error is estimated then.
+    pub is_moved_by_loads: bool,
     /// Reason for this theory, if it was selected automatically.
     pub reason: Option<String>,
     /// Readout of the body, if the scene asks for any.
@@ -121,10 +124,13 @@ impl Model {
     /// # Errors
     /// Same as [`Model::new`]; [`crate::Error::Interrupted`] if the watch stops it.
     pub fn watched(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Self> {
-        match scene.body.model {
+        let model = match scene.body.model {
             scene::Model::Auto => select_theory::select_theory(comm, scene, watch),
             theory => Self::of(comm, scene, theory, watch),
-        }
+        }?;
+        // All errors are estimated from contact forces.
+        let error = if model.is_moved_by_loads { ErrorEstimate::default() } else { model.error };
+        Ok(Self { error, ..model })
     }
 
     /// Makes the model of one theory. Collective.
@@ -145,8 +151,8 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
-        let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, .. } = reduced;
-        let vectors = projection.vectors();
+        let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
+        let (vectors, is_moved_by_loads) = (projection.vectors(), is_moved_by_loads(&projection, &force.0));
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
             _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.whole(vectors)))?),
@@ -159,7 +165,7 @@ impl Model {
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
         let bare = Self::bare(theory, dynamics, unknowns, discretisation);
-        let model = Self { vectors, judge, known, gauges, measures, ..bare };
+        let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -177,6 +183,7 @@ impl Model {
             vectors: None,
             judge: None,
             known: Vec::new(),
+            is_moved_by_loads: false,
             error: ErrorEstimate::default(),
             reason: None,
             gauges: None,

@@ -38,6 +38,10 @@ const LONG_WAVES_MARGIN: f64 = 1.55;
 /// before the first echo, the errors were at most 0.1 of a tolerance of 1e-2, and up to twice what the difference shows.
 const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 
+/// Number of vectors of the basis of a body that loads move and that the impactor does not touch. On plates under a
+/// sudden pressure, the deflection differed by less than 1e-3 from that with 30 and with 300 vectors.
+const VECTORS_WITHOUT_CONTACT: usize = 60;
+
 /// Number of vectors of a long basis, which is costly to enlarge.
 const LONG_BASIS: usize = 256;
 
@@ -190,9 +194,18 @@ pub fn reduce_from(
         count = projection.vectors();
         let enough = count > MAX_VECTORS_PER_CLASS * body.classes().len() || (given.is_some() && !tried.is_empty());
         let is_exhausted = watch.decided(krylov.is_exhausted());
-        match trials.force(&projection) {
+        let trial = trials.force(&projection);
+        // Without a contact all bases have the same force, zero. It does not show how well they represent the motion
+        // under the loads, so that there is nothing to compare.
+        let is_untouched =
+            trial.as_ref().is_ok_and(|trial| watch.decided(is_moved_by_loads(&projection, &trial.force)));
+        if is_untouched && given.is_none() && count < VECTORS_WITHOUT_CONTACT && !is_exhausted {
+            count = VECTORS_WITHOUT_CONTACT;
+            continue;
+        }
+        match trial {
             // The basis spans all motions that the forces excite, up to rounding.
-            Ok(mut trial) if is_exhausted && (given.is_none() || tried.is_empty()) => {
+            Ok(mut trial) if is_untouched || is_exhausted && (given.is_none() || tried.is_empty()) => {
                 trials.shorten_steps(&projection, &mut trial)?;
                 let Trial { force, steps, modal, known } = trial;
                 return Ok(Reduced {
@@ -289,6 +302,12 @@ pub fn reduce_from(
     }
 }
 
+/// Whether loads move a body and the impactor does not touch it, so that the contact force says nothing of the motion.
+pub(super) fn is_moved_by_loads(projection: &Projection, force: &Trace) -> bool {
+    let is_loaded = projection.load.amax() > 0.0 || projection.support_load.amax() > 0.0;
+    is_loaded && !force.has_contact()
+}
+
 /// Number of vectors with the wanted error, if the error falls with the number of vectors to the power `order`.
 fn vectors_needed(Judged { vectors, error, wanted }: Judged, order: f64) -> usize {
     // The bound keeps the number finite.
@@ -345,7 +364,7 @@ impl Rule<'_> {
         trials: &mut Trials,
         is_last: bool,
     ) -> Result<Judgement> {
-        let judgement = self.judge([&judge.force, &trial.force]);
+        let judgement = self.judge(judge.force.difference(&trial.force));
         if !(is_last || judgement.is_met) {
             return Ok(judgement);
         }
@@ -354,19 +373,12 @@ impl Rule<'_> {
             return Ok(judgement);
         }
         *judge = trials.force_on(judge.modal.take(), trial.steps, &projection.leading(self.smaller))?;
-        Ok(self.judge([&judge.force, &trial.force]))
+        Ok(self.judge(judge.force.difference(&trial.force)))
     }
 
-    /// Estimates the error from the difference of the forces on the smaller and the larger basis. Without a contact, the
-    /// motion is compared instead: loads may move the body. Collective.
-    fn judge(&self, [on_smaller, on_larger]: [&Trace; 2]) -> Judgement {
+    /// Estimates the error from the difference of the two forces. Collective.
+    fn judge(&self, difference: Errors) -> Judgement {
         let Self { scene, watch, start, vectors, smaller, factors } = *self;
-        let mut difference = on_smaller.difference(on_larger);
-        if !(on_smaller.has_contact() || on_larger.has_contact()) {
-            // The maximum ignores NaN, the difference of tensions that are not read.
-            let of_motion = on_smaller.difference_of_displacement(on_larger).max(difference.stress);
-            difference = Errors { first_contact: of_motion, history: of_motion, ..difference };
-        }
         let share = if start.leaves_short_waves { BASIS_SHARE_OF_LONG_WAVES } else { BASIS_SHARE };
         let wanted = share * scene.tolerance;
         let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));

@@ -17,6 +17,8 @@ pub struct Simulation {
     integration: Box<dyn TimeIntegration>,
     /// Estimated error by basis, discretisation and theory.
     of_model: ErrorEstimate,
+    /// Same as [`Model::is_moved_by_loads`].
+    is_moved_by_loads: bool,
     patch: Option<Patch>,
     sampler: Option<FieldSampler>,
     /// Names of the faces whose largest tension is read; on rank 0.
@@ -31,7 +33,7 @@ impl Simulation {
     /// # Errors
     /// A fault of the scene if an explicit time step is unstable; or if a PETSc call fails.
     pub fn new(scene: &Scene, model: Model) -> Result<Self> {
-        let (of_model, patch) = (model.error, model.dynamics.patch());
+        let (of_model, is_moved_by_loads, patch) = (model.error, model.is_moved_by_loads, model.dynamics.patch());
         let mut integration: Box<dyn TimeIntegration> = match model.dynamics {
             Dynamics::Stepped(body) => Box::new(SteppedImpact::new(scene, *body)?),
             Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body).with_known(model.known)),
@@ -42,7 +44,7 @@ impl Simulation {
             integration.set_readout(readout)?;
             sampler = of_fields;
         }
-        Ok(Self { integration, of_model, patch, sampler, faces, face_points })
+        Ok(Self { integration, of_model, is_moved_by_loads, patch, sampler, faces, face_points })
     }
 
     /// Hands out the sampler that makes fields of readings, once; on rank 0, if the scene asks for fields.
@@ -111,11 +113,11 @@ impl Simulation {
     pub fn error(&self) -> ErrorEstimate {
         let Count { error, stress_error, .. } = self.count();
         let error = match error {
-            Some(history) => {
+            Some(history) if !self.is_moved_by_loads => {
                 let stress = stress_error.unwrap_or(f64::NAN);
                 self.of_model.clone().with(Cause::Steps, Errors { first_contact: 0.0, history, stress })
             }
-            None => self.of_model.clone(),
+            _ => self.of_model.clone(),
         };
         if error.total().is_none() { error } else { error.with_patch(self.patch.as_ref()) }
     }

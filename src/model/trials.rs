@@ -134,7 +134,6 @@ impl<'a> Trials<'a> {
         let reduced = Body::of(&comm.session().alone(), &projection.system())?;
         let _ = SteppedImpact::new(scene, reduced)?.run(|step| {
             let (time, now) = (step.time, step.contact.force);
-            force.push_displacement(time, step.contact.surface_displacement);
             if let Some((before, was)) = last.replace((time, now)) {
                 force.push(before, time - before, [was, 0.5 * (was + now), now]);
             }

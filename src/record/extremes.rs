@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::record::read::open;
-use crate::record::stress::{Largest, LargestTension, Stresses, TensionExtreme};
+use crate::record::stress::{Largest, LargestTension, StressMaps, Stresses, TensionExtreme};
 
 /// Value of a series and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -18,7 +18,8 @@ pub struct Extreme {
     pub time: f64,
 }
 
-/// Largest values of a run. The force and the tension include all steps, the other values only the recorded rows.
+/// Largest values of a run. The force and the tensions on faces include all steps, the other values only the recorded
+/// rows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Extremes {
     /// Largest deceleration F/m0 of the impactor, m/s².
@@ -53,7 +54,8 @@ pub struct ProbeExtremes {
 /// # Errors
 /// Same as [`super::read::history`]; [`Error::Io`] if a series cannot be read.
 pub fn extremes(path: &Path) -> Result<Option<Extremes>> {
-    let faces = Stresses::read(path)?.map_or_else(Vec::new, |stresses| stresses.peaks());
+    let maps = StressMaps::read(path)?;
+    let faces = Stresses::read(path)?.map_or_else(Vec::new, |stresses| stresses.peaks(maps.as_ref()));
     let file = open(path)?;
     of(&file, faces).map_err(|error| Error::io(path, format!("its series cannot be read: {error}")))
 }
@@ -63,7 +65,8 @@ fn of(file: &hdf5::File, faces: Vec<Largest>) -> hdf5::Result<Option<Extremes>> 
     let time = column("time")?;
     let largest = |values: &[f64], size: fn(f64) -> f64| {
         let rows = time.iter().zip(values).filter(|(_, value)| !value.is_nan());
-        rows.max_by(|(_, one), (_, other)| size(**one).total_cmp(&size(**other)))
+        // Of equal values, the first.
+        rows.reduce(|one, other| if size(*other.1) > size(*one.1) { other } else { one })
             .map_or(Extreme { value: f64::NAN, time: f64::NAN }, |(time, value)| Extreme { value: *value, time: *time })
     };
     if time.is_empty() {

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::record::columns::SERIES;
 use crate::record::provenance::text;
 use crate::record::read::{check_run, column, contacts, not_result, open};
-use crate::record::stress::STRESS_MAP;
+use crate::record::stress::{STRESS_MAP, order};
 use hdf5_metno as hdf5;
 use std::path::Path;
 
@@ -78,7 +78,8 @@ pub fn quantity(path: &Path, name: &str) -> Result<Quantity> {
     let known = NAMES.iter().find(|named| named.name == short || named.dataset == short);
     let dataset_name = known.map_or(short, |named| named.dataset);
     let (label, datasets) = if short == STRESS {
-        let faces = file.group("series/stress").and_then(|group| group.member_names()).unwrap_or_default();
+        let mut faces = file.group("series/stress").and_then(|group| group.member_names()).unwrap_or_default();
+        faces.sort_by(|one, other| order(one).cmp(&order(other)));
         let of_face = |face: String| Some((face.clone(), series_dataset(&file, &format!("{STRESS}/{face}/largest"))?));
         ("largest tension".to_owned(), faces.into_iter().filter_map(of_face).collect())
     } else if short == ENERGY {

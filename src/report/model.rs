@@ -120,7 +120,7 @@ fn is_theory_left_out(data: &Data) -> bool {
 pub fn stress_error(data: &Data, stresses: &Stresses) -> Estimate {
     let error = stresses.error_estimate;
     let is_later = stresses.largest.as_ref().is_some_and(|largest| data.is_after_first_contact(largest.time));
-    if error.is_nan() {
+    if error.is_nan() || data.contacts.episodes.is_empty() {
         Estimate { value: "not estimated".to_owned(), of: String::new() }
     } else if is_later {
         Estimate { value: "not estimated".to_owned(), of: "after the first contact".to_owned() }

@@ -71,7 +71,7 @@ fn strength(data: &Data) -> Option<Verdict> {
     }
     let error = stresses.error_estimate;
     let is_later = data.is_after_first_contact(used.largest.time);
-    Some(if error.is_nan() || is_later {
+    Some(if error.is_nan() || is_later || data.contacts.episodes.is_empty() {
         let of_what = if is_later { "a tension after the first contact" } else { "the tension" };
         verdict(Grade::Open, "Strength not exceeded", format!("{what}. The error of {of_what} is not estimated."))
     } else if part + error * part >= 1.0 {

@@ -36,6 +36,10 @@ fn each_face_of_a_laminate_is_told() {
     ));
     let said = good(&folder, 0, "run scene.toml -o out.h5");
     assert!(said.stdout.contains("\nlargest tension on each face, MPa: 1-upper "), "{said:?}");
+    // Steps that are not recorded count too.
+    let all = said.stdout.lines().find(|line| line.starts_with("largest tension on each face"));
+    let few = good(&folder, 0, "run scene.toml -o few.h5 --set output.every=100").stdout;
+    assert_eq!(few.lines().find(|line| line.starts_with("largest tension on each face")), all);
     let facts: Value = serde_json::from_str(&good(&folder, 0, "info out.h5 --json").stdout).unwrap();
     let faces = facts["largest"]["faces"].as_array().unwrap();
     let names = ["1-upper", "1-lower", "2-upper", "2-lower", "3-upper", "3-lower"];

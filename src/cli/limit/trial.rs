@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::agree::of_root;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{Reading, Until};
+use crate::impact::{Errors, Reading, Until};
 use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Linearity, Model, Simulation};
 use crate::record::episodes::Episodes;
@@ -48,10 +48,10 @@ pub(super) struct Utilisation {
     pub point: Vec3,
     /// Peak contact force of the whole run, N.
     pub peak_force: f64,
-    /// Estimated error of the acceleration history over its peak, or of the tension if it is larger; NaN without an
-    /// estimate.
+    /// Estimated error of the acceleration over its peak, or of the tension if it is larger; NaN without an estimate. In
+    /// the first contact if the largest ratio is reached there, otherwise over the whole history.
     pub error_estimate: f64,
-    /// Warnings that `ricochet run` would print for this scene.
+    /// Warnings that `ricochet run` would print for this scene, and those about the largest ratio.
     pub warnings: Vec<String>,
 }
 
@@ -131,8 +131,11 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     if flow.is_break() {
         return Err(Error::Interrupted);
     }
+    let first_end = contacts.all().first().map(|first| first.end);
+    let is_outside = is_outside_first_contact(most.time, first_end);
     // The maximum ignores NaN if the error of the stress is not estimated.
-    most.error_estimate = impact.error().total().map_or(f64::NAN, |errors| errors.history.max(errors.stress));
+    let error = |errors: Errors| if is_outside { errors.history } else { errors.first_contact }.max(errors.stress);
+    most.error_estimate = impact.error().total().map_or(f64::NAN, error);
     warnings.extend(summary.warning());
     warnings.extend(summary.warning_of_end());
     if scene.is_at_clamped_edge(most.point) {
@@ -144,8 +147,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     } else if let Some(distance) = scene.hit_near_clamped_edge() {
         warnings.push(near_clamped_edge(distance));
     }
-    let first_end = contacts.all().first().map(|first| first.end);
-    if !most.error_estimate.is_nan() && is_outside_first_contact(most.time, first_end) {
+    if !most.error_estimate.is_nan() && is_outside {
         let when = if first_end.is_some() { "after the first contact" } else { "without a contact" };
         warnings.push(format!(
             "the largest ratio of tension to strength is reached at {} ms, {when}; errors of tensions are estimated in the first contact only, so \

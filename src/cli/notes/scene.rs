@@ -4,7 +4,9 @@ use crate::contact::{ForceLaw, Patch, Reason};
 use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model;
-use crate::scene::{Contact, Doubt, Geometry, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit};
+use crate::scene::{
+    Contact, Doubt, Geometry, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
+};
 use crate::scheme::critical_frequency;
 
 use super::Remark;
@@ -257,12 +259,17 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
             .to_owned();
         add("point force", 1.0, text);
     }
-    if matches!(scene.body.model, Theory::HalfSpace | Theory::InfinitePlate) && !scene.supports.is_empty() {
+    if matches!(scene.body.model, Theory::HalfSpace | Theory::InfinitePlate) {
         let name = model::name(scene.body.model);
-        let text = format!(
-            "model \"{name}\" has no edges: supports have no effect, and the force lacks the waves that edges reflect"
-        );
-        add("unused supports", 1.0, text);
+        if !scene.supports.is_empty() {
+            let text = format!(
+                "model \"{name}\" has no edges: supports have no effect, and the force lacks the waves that edges reflect"
+            );
+            add("unused supports", 1.0, text);
+        }
+        if scene.load != Load::default() {
+            add("unused loads", 1.0, format!("model \"{name}\" carries no loads: [load] has no effect on the body"));
+        }
     }
     if let Some(key) = unused(scene) {
         let name = model::name(scene.body.model);

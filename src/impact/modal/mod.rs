@@ -254,7 +254,8 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     /// Halves the time steps until the tolerance is met in the first contact.
     fn controlled(&mut self, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         let contact = self.contact_time;
-        let resolving = LARGEST_PHASE_PER_STEP / self.body.borrow().stiffened();
+        let body: &ModalBody = self.body.borrow();
+        let resolving = LARGEST_PHASE_PER_STEP / body.stiffened().max(body.loaded());
         let mut largest =
             (2.0 * FIRST_STEP_FACTOR * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);
         // The allowed defect within a step is proportional to the cube of the step size, as the error is.
@@ -391,7 +392,6 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
-            done.trace.push_displacement(time, motion.state.surface(&modes) + modes.residual * motion.force);
             if let Some(tension) = of_hit.as_ref().filter(|_| time <= done.trace.needs_tension_until()) {
                 done.trace.push_tension(time, tension.at(&motion));
             }

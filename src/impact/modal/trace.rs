@@ -14,8 +14,6 @@ pub struct Trace {
     steps: Vec<(f64, f64, [f64; 3])>,
     /// Time (s) and tension on the face opposite the impact point (Pa), if it is read.
     tension: Vec<(f64, f64)>,
-    /// Time (s) and displacement of the surface under the impactor (m) at the steps before the first contact.
-    displacement: Vec<(f64, f64)>,
     /// Whether there has been a force, and the end of the first contact, s.
     has_touched: bool,
     end: Option<f64>,
@@ -40,14 +38,6 @@ impl Trace {
     /// Adds a tension (Pa) at a time (s).
     pub fn push_tension(&mut self, time: f64, tension: f64) {
         self.tension.push((time, tension));
-    }
-
-    /// Adds a displacement of the surface under the impactor (m) at a time (s). Only those before the first contact are
-    /// kept.
-    pub fn push_displacement(&mut self, time: f64, displacement: f64) {
-        if !self.has_touched {
-            self.displacement.push((time, displacement));
-        }
     }
 
     /// Whether there was a contact force at any time.
@@ -106,14 +96,6 @@ impl Trace {
     /// have larger errors.
     pub fn difference_at_steps(&self, longer: &Self) -> Errors {
         Errors { stress: self.difference_of_tension(longer), ..self.off_at_steps_of(longer, self) }
-    }
-
-    /// Largest difference in the displacement before the first contact, relative to its largest value; 0 if nothing
-    /// moves. The displacements must be known at the same times.
-    pub fn difference_of_displacement(&self, other: &Self) -> f64 {
-        let largest = self.displacement.iter().map(|(_, u)| u.abs()).fold(f64::MIN_POSITIVE, f64::max);
-        let both = self.displacement.iter().zip(&other.displacement);
-        both.map(|((_, one), (_, another))| (one - another).abs() / largest).fold(0.0, f64::max)
     }
 
     /// Largest difference in force between two traces, relative to the peak of `self`, at the middles and ends of the

@@ -10,6 +10,7 @@ mod write;
 
 pub use largest::{LargestTension, TensionExtreme};
 pub use map::{FaceMap, MapPoints, STRESS_MAP, StressMaps};
+pub(in crate::record) use read::order;
 pub use read::{Face, Largest, Passed, Stresses};
 pub use write::EarlierTensions;
 

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::record::read::{check_run, open};
 use crate::scene::Vec3;
 
-use super::{LargestTension, TensionExtreme};
+use super::{LargestTension, StressMaps, TensionExtreme};
 
 /// Largest principal stresses of a run, by face.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,9 +83,17 @@ impl Stresses {
         of_run.or_else(|| self.faces.iter().find(|of| of.name == face)?.peak(&self.time))
     }
 
-    /// Largest stress on each face that has one ([`Self::peak_on`]).
-    pub fn peaks(&self) -> Vec<Largest> {
-        self.faces.iter().filter_map(|face| self.peak_on(&face.name)).collect()
+    /// Largest stress on each face in all steps. The maps have those between the recorded rows; without maps, only the
+    /// rows are known.
+    pub fn peaks(&self, maps: Option<&StressMaps>) -> Vec<Largest> {
+        let of_map = |name: &str| {
+            let map = maps?.faces.iter().find(|map| map.name == name)?;
+            let at = map.largest()?;
+            Some(Largest { value: map.tension[at], face: name.to_owned(), time: map.time[at], point: map.points[at] })
+        };
+        let larger = |one: Largest, other: Largest| if other.value > one.value { other } else { one };
+        let of_face = |name: &str| self.peak_on(name).into_iter().chain(of_map(name)).reduce(larger);
+        self.faces.iter().filter_map(|face| of_face(&face.name)).collect()
     }
 
     /// Reads the stresses of the result `path`; `None` if the result has none. After a kill, the lengths of the
@@ -145,7 +153,7 @@ impl Stresses {
 }
 
 /// Sort key of the faces: the layer, from the struck face down; the upper face before the lower; then the name.
-pub(super) fn order(name: &str) -> (usize, usize, &str) {
+pub(in crate::record) fn order(name: &str) -> (usize, usize, &str) {
     let (layer, side) = name.split_once('-').and_then(|(n, side)| Some((n.parse().ok()?, side))).unwrap_or((0, name));
     let rank = ["upper", "lower"].iter().position(|known| *known == side).unwrap_or(2);
     (layer, rank, name)
