@@ -196,14 +196,15 @@ pub fn lines(
             coordinate(y),
             coordinate(z)
         );
+        let only = "errors of tensions are estimated in the first contact only";
         line += &match largest.error_estimate {
+            _ if first_end.is_none() => format!(", without a contact; {only}"),
             none if none.is_nan() => {
                 let why = why(largest).map_or(String::new(), |why| format!(": {why}"));
                 format!(", without an estimate of its error{why}")
             }
             _ if is_outside_first_contact(largest.time, first_end) => {
-                let when = if first_end.is_some() { "after the first contact" } else { "without a contact" };
-                format!(", {when}; errors of tensions are estimated in the first contact only")
+                format!(", after the first contact; {only}")
             }
             error => format!(", estimated error {}", estimated(error)),
         };

@@ -97,7 +97,7 @@ fn grammar() -> Vec<BadScene> {
         edit("unknown key", GOOD, ("density", "densty"), &["unknown key", "did you mean `density`?", "`young`"], ("body.densty", "densty")),
         edit("unknown key in a support", GOOD, ("damping", "dampnig"), &["did you mean `damping`?"], ("support.0.dampnig", "dampnig")),
         edit("unknown key in a traction", GOOD, ("value", "valve"), &["did you mean `value`?", "`surface`"], ("load.traction.0.valve", "valve")),
-        edit("key of another table", GOOD, ("every = 2", "radius = 2"), &["unknown key", "`radius` is a key of", "`impactor`", "known here: `every`"], ("output.radius", "radius")),
+        edit("key of another table", GOOD, ("every = 2", "radius = 2"), &["unknown key", "`radius` is a key of", "`impactor`", "known here: `every`"], ("output.radius", "radius = 2")),
         edit("table in the wrong place", GOOD, ("[solver]", "[layer]"), &["`layer` is a key of `body`", "known here"], ("layer", "[layer]")),
         edit("unlike any key", GOOD, ("every = 2", "quux = 2"), &["unknown key", "known here: `every`"], ("output.quux", "quux")),
         edit("key missing", GOOD, ("young = 70e9\n", ""), &["this key is required", "`young` belongs here"], ("body.young", "[body]")),

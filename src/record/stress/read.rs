@@ -11,6 +11,9 @@ use crate::scene::Vec3;
 
 use super::{LargestTension, StressMaps, TensionExtreme};
 
+/// Relative rounding of the tensions in a map, which is in single precision, with a margin.
+const MAP_ROUNDING: f64 = 1e-6;
+
 /// Largest principal stresses of a run, by face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stresses {
@@ -91,7 +94,8 @@ impl Stresses {
             let at = map.largest()?;
             Some(Largest { value: map.tension[at], face: name.to_owned(), time: map.time[at], point: map.points[at] })
         };
-        let larger = |one: Largest, other: Largest| if other.value > one.value { other } else { one };
+        let is_larger = |other: &Largest, one: &Largest| other.value - one.value > MAP_ROUNDING * one.value.abs();
+        let larger = |one: Largest, other: Largest| if is_larger(&other, &one) { other } else { one };
         let of_face = |name: &str| self.peak_on(name).into_iter().chain(of_map(name)).reduce(larger);
         self.faces.iter().filter_map(|face| of_face(&face.name)).collect()
     }
