@@ -82,13 +82,18 @@ impl ModalBody {
         }
     }
 
-    /// Highest frequency of the modes that loads move, rad/s. Time steps must resolve it, because results are read at the
-    /// steps.
-    pub fn loaded(&self) -> f64 {
-        match &self.source {
-            Source::Given(_) => 0.0,
-            Source::Spectrum(spectrum) => spectrum.loaded(),
-        }
+    /// Whether loads act on the body.
+    pub fn is_loaded(&self) -> bool {
+        matches!(&self.source, Source::Spectrum(spectrum) if spectrum.is_loaded())
+    }
+
+    /// Returns all modes. They are for motions without a contact: in steps that do not resolve them, a contact would be
+    /// unstable.
+    ///
+    /// # Errors
+    /// Same as [`Self::modes`].
+    pub fn all_modes(&self, closed: &Closed) -> Result<Rc<Modes>> {
+        self.counted(closed, Spectrum::count_of_all)
     }
 
     /// Ratio of the cutoff frequency of the modes to the frequency that chosen time steps resolve.

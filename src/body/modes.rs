@@ -107,10 +107,6 @@ const LARGEST_MODE_DISPLACEMENT: f64 = 1.0;
 /// becomes slower where the body lifts off.
 const LARGEST_FOUNDATION_SHARE: f64 = 0.01;
 
-/// Part of the energy of the static response to the loads that modes which are left out may hold. These modes respond to
-/// the contact force alone.
-const LOAD_ENERGY_LEFT_OUT: f64 = 1e-6;
-
 /// Largest viscoelastic part of a layer's modulus, at the rate of the modes, for which the cutoff of the modes is not
 /// raised. (For a laminate with an interlayer that relaxes to a thousandth, leaving out the modes that the time steps
 /// do not resolve caused an error of 2% of the peak.)
@@ -200,8 +196,6 @@ pub struct Spectrum {
     foundation: Option<FoundationPoints>,
     /// Number of lowest modes that include all modes stiffened by foundations.
     stiffened: usize,
-    /// Number of lowest modes that hold nearly all energy of the static response to the loads.
-    loaded: usize,
     /// Coordinates of the waves that the modes leave out, and the weights √g of the modes, if short waves are
     /// separated.
     short_waves: Option<ShortWaves>,
@@ -225,9 +219,7 @@ impl Spectrum {
             let stiffness = foundation.as_ref().map_or(0.0, |points: &FoundationPoints| points.square(*i));
             stiffness > LARGEST_FOUNDATION_SHARE * squares[*i].max(0.0)
         };
-        let loads = along(&projection.load) + along(&projection.support_load);
         Self {
-            loaded: moved_by_loads(&squares, &loads),
             stiffened: (0..squares.len()).rev().find(is_stiffened).map_or(0, |last| last + 1),
             squares,
             force,
@@ -256,9 +248,14 @@ impl Spectrum {
         self.stiffened.checked_sub(1).map_or(0.0, |last| self.squares[last].max(0.0).sqrt())
     }
 
-    /// Highest frequency of the modes that the loads move, rad/s.
-    pub fn loaded(&self) -> f64 {
-        self.loaded.checked_sub(1).map_or(0.0, |last| self.squares[last].max(0.0).sqrt())
+    /// Whether loads act on the body.
+    pub fn is_loaded(&self) -> bool {
+        self.load.amax() > 0.0 || self.support_load.amax() > 0.0
+    }
+
+    /// Returns the number of all modes that can take part.
+    pub fn count_of_all(&self) -> usize {
+        self.short_waves.as_ref().map_or(self.squares.len(), |waves| waves.kept)
     }
 
     /// Returns the number of lowest modes that vibrate no faster than a frequency (rad/s) while the contact is closed.
@@ -283,8 +280,7 @@ impl Spectrum {
     pub fn count(&self, cutoff: f64, closed: &Closed) -> usize {
         // Free motions have no static response.
         let free = self.squares.iter().filter(|square| **square <= ROUNDING * self.squares.max()).count();
-        let kept = self.short_waves.as_ref().map_or(self.squares.len(), |waves| waves.kept);
-        self.slower_than(cutoff, closed).max(self.loaded).min(kept).max(free).max(self.stiffened)
+        self.slower_than(cutoff, closed).min(self.count_of_all()).max(free).max(self.stiffened)
     }
 
     /// Returns the first `count` modes. The others are replaced by their static response. Simplified relaxation of the
@@ -399,19 +395,6 @@ impl Spectrum {
             (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.local_stress_per_newton));
         Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress, foundation })
     }
-}
-
-/// Returns the number of lowest modes that hold the energy of the static response to loads, except for a small part.
-fn moved_by_loads(squares: &DVector<f64>, loads: &DVector<f64>) -> usize {
-    let least = ROUNDING * squares.max();
-    let energy = |(square, load): (&f64, &f64)| if *square > least { load * load / square } else { 0.0 };
-    let energies: Vec<f64> = squares.iter().zip(loads).map(energy).collect();
-    let mut left = LOAD_ENERGY_LEFT_OUT * energies.iter().sum::<f64>();
-    let is_left_out = |energy: &&f64| {
-        left -= **energy;
-        left >= 0.0
-    };
-    energies.len() - energies.iter().rev().take_while(is_left_out).count()
 }
 
 /// Returns the modes of undamped vibrations, z = v + iωx: ż = iω z + φF + f, x = Im z/ω.

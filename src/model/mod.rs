@@ -129,8 +129,12 @@ impl Model {
             theory => Self::of(comm, scene, theory, watch),
         }?;
         // All errors are estimated from contact forces.
-        let error = if model.is_moved_by_loads { ErrorEstimate::default() } else { model.error };
-        Ok(Self { error, ..model })
+        if !model.is_moved_by_loads {
+            return Ok(model);
+        }
+        let reason =
+            model.reason.map(|_| "there is no contact, with whose force theories could be compared".to_owned());
+        Ok(Self { error: ErrorEstimate::default(), reason, ..model })
     }
 
     /// Makes the model of one theory. Collective.

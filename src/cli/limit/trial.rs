@@ -147,7 +147,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     } else if let Some(distance) = scene.hit_near_clamped_edge() {
         warnings.push(near_clamped_edge(distance));
     }
-    if !most.error_estimate.is_nan() && is_outside {
+    if is_outside && (first_end.is_none() || !most.error_estimate.is_nan()) {
         let when = if first_end.is_some() { "after the first contact" } else { "without a contact" };
         warnings.push(format!(
             "the largest ratio of tension to strength is reached at {} ms, {when}; errors of tensions are estimated in the first contact only, so \

@@ -66,6 +66,9 @@ pub const TIME_STEP_SHARE: f64 = 0.3;
 /// Number of steps that are computed, or read, between two calls of [`Observer::is_interrupted`].
 const ASK_EVERY: usize = 1024;
 
+/// Least number of steps in which the motion of a body without a contact is read.
+const STEPS_WITHOUT_CONTACT: f64 = 1000.0;
+
 /// Largest number of steps of one run.
 const MOST_STEPS: usize = 10_000_000;
 
@@ -87,6 +90,8 @@ pub struct ModalImpact<B> {
     last: Option<(Trace, Steps)>,
     /// Contact forces of the same scene and body that are known already.
     known: Vec<KnownForce>,
+    /// Whether all modes take part, in a run without a contact.
+    takes_all_modes: bool,
     /// Cost of the runs so far.
     pub count: Count,
 }
@@ -127,6 +132,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             readout: None,
             last: None,
             known: Vec::new(),
+            takes_all_modes: false,
             count: Count::default(),
         }
     }
@@ -234,6 +240,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             Some(step) => {
                 let guess = Steps { largest: step, defect: None, peak: self.guess() };
                 let done = self.once(guess, observed, observer)?;
+                if let Some(done) = self.moved_by_loads(&done, guess, observed, observer)? {
+                    return Ok(done);
+                }
                 let peak = done.trace.peak();
                 // A larger force than expected means a stiffer contact, which needs other modes.
                 if peak <= guess.peak {
@@ -246,6 +255,24 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         }
     }
 
+    /// Repeats a run without a contact with all modes if loads move the body: the modes that the steps do not resolve
+    /// respond to the contact force alone. `None` if there are no loads, or if there is a contact.
+    fn moved_by_loads(
+        &mut self,
+        done: &Done,
+        steps: Steps,
+        observed: bool,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Done>> {
+        if done.trace.has_contact() || !self.body.borrow().is_loaded() {
+            return Ok(None);
+        }
+        self.takes_all_modes = true;
+        let done = self.once(steps, observed, observer);
+        self.takes_all_modes = false;
+        Ok(Some(done?).filter(|done| !done.trace.has_contact()))
+    }
+
     /// First guess of the peak force, N.
     fn guess(&self) -> f64 {
         FIRST_PEAK_FACTOR * self.parameters.force_bound()
@@ -254,8 +281,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     /// Halves the time steps until the tolerance is met in the first contact.
     fn controlled(&mut self, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
         let contact = self.contact_time;
-        let body: &ModalBody = self.body.borrow();
-        let resolving = LARGEST_PHASE_PER_STEP / body.stiffened().max(body.loaded());
+        let resolving = LARGEST_PHASE_PER_STEP / self.body.borrow().stiffened();
         let mut largest =
             (2.0 * FIRST_STEP_FACTOR * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);
         // The allowed defect within a step is proportional to the cube of the step size, as the error is.
@@ -263,6 +289,11 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let guess = self.guess();
         let coarse = Steps { largest, defect: Some(defect(largest, guess)), peak: guess };
         let mut coarse = self.known_or_once(coarse, false, observer)?;
+        // Without a contact the motion is exact in steps of any length. They need to be short only for reading.
+        let to_read = Steps { largest: largest.min(self.end / STEPS_WITHOUT_CONTACT), ..coarse.sizes };
+        if let Some(done) = self.moved_by_loads(&coarse, to_read, observed, observer)? {
+            return Ok(done);
+        }
         // The first run only serves for comparison. A later run is accepted as the coarser one as soon as a finer run
         // shows that its steps are short enough, because a doubled step may be too long for the assumed order of
         // convergence. Observers receive the second run, unless its force is known already; it is accepted in most
@@ -334,6 +365,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let body: &ModalBody = self.body.borrow();
         let resolved = LARGEST_PHASE_PER_STEP / steps.largest;
         match steps.defect {
+            _ if self.takes_all_modes => body.all_modes(&closed),
             Some(_) => body.modes_of_chosen_steps(body.cutoff_ratio() * resolved, &closed),
             None => body.modes(resolved, &closed),
         }

@@ -57,6 +57,8 @@ struct Kept {
     made_for: Option<MadeFor>,
     /// Whether the body is interpolated. It then already has the member's Maxwell chains, and it has no energies.
     is_interpolated: bool,
+    /// Same as [`Model::is_moved_by_loads`]: the basis is not for contacts.
+    is_moved_by_loads: bool,
 }
 
 /// The impact for which a basis was made.
@@ -219,6 +221,7 @@ impl<'a> Bodies<'a> {
             of_model: of_theory.joined(errors),
             made_for: None,
             is_interpolated: true,
+            is_moved_by_loads: false,
         }))
     }
 
@@ -266,6 +269,7 @@ impl<'a> Bodies<'a> {
                 of_model: of_theory.joined(Errors { stress: f64::NAN, ..of_merging }),
                 made_for: None,
                 is_interpolated: false,
+                is_moved_by_loads: false,
             }
         }))
     }
@@ -303,12 +307,23 @@ impl Kept {
         let of_model = of_theory.joined(of_cells);
         let made_for = model.error.of(Cause::Basis);
         let made_for = made_for.map(|of_basis| MadeFor { scene: Box::new(scene.clone()), of_basis });
-        let Model { theory, dynamics, judge, unknowns, gauges, .. } = model;
+        let Model { theory, dynamics, judge, unknowns, gauges, is_moved_by_loads, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);
         let judge = judge.map(JudgeBasis::into_modal);
         match dynamics {
             Dynamics::Modal(body) => {
-                Ok(Self { body, theory, judge, unknowns, readout, of_model, made_for, is_interpolated: false })
+                let is_interpolated = false;
+                Ok(Self {
+                    body,
+                    theory,
+                    judge,
+                    unknowns,
+                    readout,
+                    of_model,
+                    made_for,
+                    is_interpolated,
+                    is_moved_by_loads,
+                })
             }
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
@@ -360,6 +375,11 @@ impl Kept {
         }
         let made_for_this = self.made_for.as_ref().filter(|made_for| *made_for.scene == *scene);
         let of_basis = match (made_for_this, &self.judge) {
+            // A member with a contact needs another basis; without one, the error is unknown.
+            _ if self.is_moved_by_loads => {
+                let has_contact = impact.force().is_some_and(|(force, _)| force.has_contact());
+                Errors::throughout(if has_contact { f64::INFINITY } else { f64::NAN })
+            }
             (Some(made_for), _) => made_for.of_basis,
             (None, Some((judge, rule))) => {
                 let Some((force, taken)) = impact.force() else { return Ok(None) };
