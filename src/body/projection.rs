@@ -107,6 +107,11 @@ impl Projection {
         self.force.len()
     }
 
+    /// Whether loads act on the body.
+    pub fn is_loaded(&self) -> bool {
+        self.load.amax() > 0.0 || self.support_load.amax() > 0.0
+    }
+
     /// Returns the body with supports interpolated linearly between this body (`part` 0) and another one (`part` 1).
     pub(super) fn towards(&self, other: &Self, part: f64) -> Self {
         let zeros = DMatrix::zeros(self.vectors(), self.vectors());

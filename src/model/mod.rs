@@ -5,6 +5,7 @@ mod cell_error;
 mod cells;
 mod elastic_cells;
 mod error_factors;
+mod judgement;
 mod layers;
 mod linearity;
 mod long_waves;

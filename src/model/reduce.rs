@@ -9,6 +9,7 @@ use crate::scene::{Reduction, Scene};
 
 use super::beside_echoes;
 use super::error_factors::ErrorFactors;
+use super::judgement::Rule;
 use super::long_waves::{LongWaves, ORDER};
 use super::trials::{Trial, Trials};
 use super::watch::{Judged, Stage, Watch};
@@ -25,18 +26,6 @@ const LEAST_MORE: usize = 9;
 
 /// Share of the tolerance for the estimated error of the basis.
 pub const BASIS_SHARE: f64 = 0.5;
-
-/// The same share if short waves are treated separately. It is larger by [`LONG_WAVES_MARGIN`], so that this factor
-/// does not enlarge the basis.
-const BASIS_SHARE_OF_LONG_WAVES: f64 = LONG_WAVES_MARGIN * BASIS_SHARE;
-
-/// Factor on the error of such a basis, as extrapolated from the difference to a smaller basis by the order of
-/// convergence. Measured on twenty free panes: 0.4 to 1.5. An estimate.
-const LONG_WAVES_MARGIN: f64 = 1.55;
-
-/// Error of such a basis that the difference does not show, over the tolerance. On three free panes whose contact ends
-/// before the first echo, the errors were at most 0.1 of a tolerance of 1e-2, and up to twice what the difference shows.
-const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 
 /// Number of vectors of the basis of a body that loads move and that the impactor does not touch.
 const VECTORS_WITHOUT_CONTACT: usize = 60;
@@ -66,13 +55,6 @@ const ORDER_OF_ALL_WAVES: f64 = 2.0;
 /// Shift s of the basis, times the contact time on a half-space, for a tolerance of 1e-2. Bases from 5 to 50 are much
 /// alike; the remaining error at small tolerances is at higher frequencies.
 const SHIFT_TIMES_CONTACT: f64 = 15.0;
-
-/// Differences of histories, over the peak, from which they do not measure errors: one history then has contacts that
-/// the other lacks.
-const OTHER_CONTACTS: f64 = 0.3;
-
-/// Number of vectors of a closer basis that then estimates the error of the whole history, relative to the basis.
-const HISTORY_BASIS_FRACTION: f64 = 0.875;
 
 /// Smallest tolerance for which long bases are orthogonalised in blocks. Below it the rounding errors of blocks matter:
 /// for 1e-4 a pane took 363 vectors instead of 296.
@@ -205,7 +187,7 @@ pub fn reduce_from(
             trial.as_ref().is_ok_and(|trial| watch.decided(is_moved_by_loads(&projection, &trial.force)));
         if is_untouched && given.is_none() && !is_of_loads {
             // Loads excite slow motions, for which the shift of an impact is too high.
-            let shift = watch.agreed(lowest_frequency(&projection));
+            let shift = watch.agreed(lowest_frequency(&projection).unwrap_or(start.shift));
             let of_loads = Start { shift, leaves_short_waves: false, ..start };
             (krylov, count, is_of_loads) = (DirectSum::new(body, of_loads)?, VECTORS_WITHOUT_CONTACT, true);
             continue;
@@ -311,15 +293,14 @@ pub fn reduce_from(
 
 /// Whether loads move a body and the impactor does not touch it, so that the contact force says nothing of the motion.
 pub(super) fn is_moved_by_loads(projection: &Projection, force: &Trace) -> bool {
-    let is_loaded = projection.load.amax() > 0.0 || projection.support_load.amax() > 0.0;
-    is_loaded && !force.has_contact()
+    projection.is_loaded() && !force.has_contact()
 }
 
-/// Lowest frequency of a reduced body that is not a free motion, rad/s.
-fn lowest_frequency(projection: &Projection) -> f64 {
+/// Lowest frequency of a reduced body, rad/s, apart from free motions; `None` if all its motions are free.
+fn lowest_frequency(projection: &Projection) -> Option<f64> {
     let squares = projection.stiffness_at_rate().symmetric_eigenvalues();
     let rounding = FREE_MOTION * squares.max();
-    squares.iter().filter(|square| **square > rounding).fold(f64::INFINITY, |least, square| least.min(*square)).sqrt()
+    squares.iter().copied().filter(|square| *square > rounding).min_by(f64::total_cmp).map(f64::sqrt)
 }
 
 /// Number of vectors with the wanted error, if the error falls with the number of vectors to the power `order`.
@@ -337,101 +318,6 @@ fn next_count(judged: Judged, (count, is_smaller_used): (usize, bool), order: f6
     let may_double = is_smaller_used && (MANY_VECTORS..LONG_BASIS).contains(&count);
     let most = if may_double { (LARGEST_BASIS_GROWTH * count as f64) as usize } else { larger(count) };
     next.clamp(least, most.max(least))
-}
-
-/// Settings of the error estimate of a basis.
-struct Rule<'a> {
-    scene: &'a Scene,
-    watch: &'a dyn Watch,
-    start: Start,
-    /// Numbers of vectors of the basis and of a smaller one.
-    vectors: usize,
-    smaller: usize,
-    factors: ErrorFactors,
-}
-
-/// Result of comparing a basis with a smaller one.
-struct Judgement {
-    /// Difference of the forces on the two bases.
-    difference: Errors,
-    /// Estimates the error from the difference.
-    rule: ErrorRule,
-    error: Errors,
-    /// Whether the error is within its share of the tolerance.
-    is_met: bool,
-    /// Whether the smaller basis is used.
-    takes_smaller: bool,
-    judged: Judged,
-}
-
-impl Rule<'_> {
-    /// Compares the forces on the smaller basis (`judge`) and on the larger one (`trial`). If the larger one is
-    /// accurate enough or the last, both forces are computed in its time steps, which are shortened if it needs that.
-    /// Collective.
-    ///
-    /// # Errors
-    /// Same as [`Trials::force`].
-    fn judge_on(
-        &self,
-        projection: &Projection,
-        [judge, trial]: [&mut Trial; 2],
-        trials: &mut Trials,
-        is_last: bool,
-    ) -> Result<Judgement> {
-        let judgement = self.judge(judge.force.difference(&trial.force));
-        if !(is_last || judgement.is_met) {
-            return Ok(judgement);
-        }
-        trials.shorten_steps(projection, trial)?;
-        if !self.watch.decided(judge.steps != trial.steps) {
-            return Ok(judgement);
-        }
-        *judge = trials.force_on(judge.modal.take(), trial.steps, &projection.leading(self.smaller))?;
-        Ok(self.judge(judge.force.difference(&trial.force)))
-    }
-
-    /// Estimates the error from the difference of the two forces. Collective.
-    fn judge(&self, difference: Errors) -> Judgement {
-        let Self { scene, watch, start, vectors, smaller, factors } = *self;
-        let share = if start.leaves_short_waves { BASIS_SHARE_OF_LONG_WAVES } else { BASIS_SHARE };
-        let wanted = share * scene.tolerance;
-        let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
-        let is_small_enough = || watch.decided(factors.smaller * difference.of(scene.measure) <= wanted);
-        let (of_difference, takes_smaller) = match factors.larger {
-            _ if start.leaves_short_waves => (of_larger(vectors, smaller), false),
-            Some(larger) if !is_given && !is_small_enough() => (larger, false),
-            _ => (factors.smaller, true),
-        };
-        let rule = self.rule(of_difference);
-        let error = rule.errors(difference);
-        let over = watch.agreed(error.of(scene.measure) / wanted);
-        let judged = Judged { vectors: if takes_smaller { smaller } else { vectors }, error: over * wanted, wanted };
-        tracing::debug!(vectors, smaller, error = judged.error, wanted, "bases compared");
-        Judgement { difference, rule, error, is_met: over <= 1.0, takes_smaller, judged }
-    }
-
-    /// The rule with a factor from the difference to the error.
-    fn rule(&self, of_difference: f64) -> ErrorRule {
-        let unseen = if self.start.leaves_short_waves { UNSEEN_OF_LONG_WAVES * self.scene.tolerance } else { 0.0 };
-        ErrorRule { least: unseen, ..ErrorRule::with_factor(of_difference) }
-    }
-
-    /// If short waves are treated separately and the two histories have different contacts, estimates the error of the
-    /// whole history by comparing the larger basis with one of 7/8 of its vectors. Collective.
-    ///
-    /// # Errors
-    /// If a PETSc call fails.
-    fn closer(&self, mut error: Errors, projection: &Projection, trial: &Trial, trials: &Trials) -> Result<Errors> {
-        let Self { watch, start, vectors, smaller, .. } = *self;
-        let has_other_contacts = || watch.decided(error.history > OTHER_CONTACTS * of_larger(vectors, smaller));
-        if start.leaves_short_waves && has_other_contacts() {
-            let near = projection.leading((HISTORY_BASIS_FRACTION * vectors as f64) as usize);
-            let force = trials.force_in(trial.steps, &near)?.force;
-            let rule = self.rule(of_larger(vectors, near.vectors()));
-            error.history = rule.errors(force.difference(&trial.force)).history;
-        }
-        Ok(error)
-    }
 }
 
 /// Initial settings of a basis.
@@ -492,11 +378,6 @@ pub(super) fn grow(
 /// Largest number of vectors of a basis that may be compared with one of `vectors`.
 fn smaller_of(vectors: usize) -> usize {
     (2 * vectors / 3).min(vectors.saturating_sub(LEAST_MORE))
-}
-
-/// Factor from the difference of two bases to the error of the larger one, if short waves are treated separately.
-fn of_larger(vectors: usize, smaller: usize) -> f64 {
-    LONG_WAVES_MARGIN * ((vectors as f64 / smaller as f64).powf(ORDER) - 1.0).recip()
 }
 
 /// Number of vectors of the basis with which one of n `vectors` is compared: the larger of 1.5 n and n + 9.

@@ -1,0 +1,131 @@
+//! Judges a basis: estimates its error from the contact force on a smaller one.
+
+use crate::body::{Projection, Start};
+use crate::error::Result;
+use crate::impact::{ErrorRule, Errors};
+use crate::scene::{Reduction, Scene};
+
+use super::error_factors::ErrorFactors;
+use super::long_waves::ORDER;
+use super::reduce::BASIS_SHARE;
+use super::trials::{Trial, Trials};
+use super::watch::{Judged, Watch};
+
+/// The same share if short waves are treated separately. It is larger by [`LONG_WAVES_MARGIN`], so that this factor
+/// does not enlarge the basis.
+const BASIS_SHARE_OF_LONG_WAVES: f64 = LONG_WAVES_MARGIN * BASIS_SHARE;
+
+/// Factor on the error of such a basis, as extrapolated from the difference to a smaller basis by the order of
+/// convergence. Measured on twenty free panes: 0.4 to 1.5. An estimate.
+const LONG_WAVES_MARGIN: f64 = 1.55;
+
+/// Error of such a basis that the difference does not show, over the tolerance. On three free panes whose contact ends
+/// before the first echo, the errors were at most 0.1 of a tolerance of 1e-2, and up to twice what the difference shows.
+const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
+
+/// Differences of histories, over the peak, from which they do not measure errors: one history then has contacts that
+/// the other lacks.
+const OTHER_CONTACTS: f64 = 0.3;
+
+/// Number of vectors of a closer basis that then estimates the error of the whole history, relative to the basis.
+const HISTORY_BASIS_FRACTION: f64 = 0.875;
+
+/// Settings of the error estimate of a basis.
+pub(super) struct Rule<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) watch: &'a dyn Watch,
+    pub(super) start: Start,
+    /// Numbers of vectors of the basis and of a smaller one.
+    pub(super) vectors: usize,
+    pub(super) smaller: usize,
+    pub(super) factors: ErrorFactors,
+}
+
+/// Result of comparing a basis with a smaller one.
+pub(super) struct Judgement {
+    /// Difference of the forces on the two bases.
+    pub(super) difference: Errors,
+    /// Estimates the error from the difference.
+    pub(super) rule: ErrorRule,
+    pub(super) error: Errors,
+    /// Whether the error is within its share of the tolerance.
+    pub(super) is_met: bool,
+    /// Whether the smaller basis is used.
+    pub(super) takes_smaller: bool,
+    pub(super) judged: Judged,
+}
+
+impl Rule<'_> {
+    /// Compares the forces on the smaller basis (`judge`) and on the larger one (`trial`). If the larger one is
+    /// accurate enough or the last, both forces are computed in its time steps, which are shortened if it needs that.
+    /// Collective.
+    ///
+    /// # Errors
+    /// Same as [`Trials::force`].
+    pub(super) fn judge_on(
+        &self,
+        projection: &Projection,
+        [judge, trial]: [&mut Trial; 2],
+        trials: &mut Trials,
+        is_last: bool,
+    ) -> Result<Judgement> {
+        let judgement = self.judge(judge.force.difference(&trial.force));
+        if !(is_last || judgement.is_met) {
+            return Ok(judgement);
+        }
+        trials.shorten_steps(projection, trial)?;
+        if !self.watch.decided(judge.steps != trial.steps) {
+            return Ok(judgement);
+        }
+        *judge = trials.force_on(judge.modal.take(), trial.steps, &projection.leading(self.smaller))?;
+        Ok(self.judge(judge.force.difference(&trial.force)))
+    }
+
+    /// Estimates the error from the difference of the two forces. Collective.
+    fn judge(&self, difference: Errors) -> Judgement {
+        let Self { scene, watch, start, vectors, smaller, factors } = *self;
+        let share = if start.leaves_short_waves { BASIS_SHARE_OF_LONG_WAVES } else { BASIS_SHARE };
+        let wanted = share * scene.tolerance;
+        let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
+        let is_small_enough = || watch.decided(factors.smaller * difference.of(scene.measure) <= wanted);
+        let (of_difference, takes_smaller) = match factors.larger {
+            _ if start.leaves_short_waves => (of_larger(vectors, smaller), false),
+            Some(larger) if !is_given && !is_small_enough() => (larger, false),
+            _ => (factors.smaller, true),
+        };
+        let rule = self.rule(of_difference);
+        let error = rule.errors(difference);
+        let over = watch.agreed(error.of(scene.measure) / wanted);
+        let judged = Judged { vectors: if takes_smaller { smaller } else { vectors }, error: over * wanted, wanted };
+        tracing::debug!(vectors, smaller, error = judged.error, wanted, "bases compared");
+        Judgement { difference, rule, error, is_met: over <= 1.0, takes_smaller, judged }
+    }
+
+    /// The rule with a factor from the difference to the error.
+    fn rule(&self, of_difference: f64) -> ErrorRule {
+        let unseen = if self.start.leaves_short_waves { UNSEEN_OF_LONG_WAVES * self.scene.tolerance } else { 0.0 };
+        ErrorRule { least: unseen, ..ErrorRule::with_factor(of_difference) }
+    }
+
+    /// If short waves are treated separately and the two histories have different contacts, estimates the error of the
+    /// whole history by comparing the larger basis with one of 7/8 of its vectors. Collective.
+    ///
+    /// # Errors
+    /// If a PETSc call fails.
+    pub(super) fn closer(&self, mut error: Errors, projection: &Projection, trial: &Trial, trials: &Trials) -> Result<Errors> {
+        let Self { watch, start, vectors, smaller, .. } = *self;
+        let has_other_contacts = || watch.decided(error.history > OTHER_CONTACTS * of_larger(vectors, smaller));
+        if start.leaves_short_waves && has_other_contacts() {
+            let near = projection.leading((HISTORY_BASIS_FRACTION * vectors as f64) as usize);
+            let force = trials.force_in(trial.steps, &near)?.force;
+            let rule = self.rule(of_larger(vectors, near.vectors()));
+            error.history = rule.errors(force.difference(&trial.force)).history;
+        }
+        Ok(error)
+    }
+}
+
+/// Factor from the difference of two bases to the error of the larger one, if short waves are treated separately.
+fn of_larger(vectors: usize, smaller: usize) -> f64 {
+    LONG_WAVES_MARGIN * ((vectors as f64 / smaller as f64).powf(ORDER) - 1.0).recip()
+}
