@@ -27,7 +27,7 @@ impl Spectrum {
     /// that all modes are taken if there are few, or if most modes of a viscoelastic body take part. Computing these
     /// modes is expensive, and the full set can be reused for other time steps.
     pub fn count_of_chosen_steps(&self, cutoff: f64, closed: &Closed) -> usize {
-        let (count, all) = (self.count(cutoff, closed), self.squares.len());
+        let (count, all) = (self.count(cutoff, closed), self.count_of_all());
         let takes_all = all <= FEW_MODES || (self.relaxes && count as f64 >= ALL_MODES_FRACTION * all as f64);
         if takes_all { all } else { count }
     }

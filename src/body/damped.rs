@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-use super::Mode;
+use super::{BlockMatrix, Mode};
 use crate::error::{Error, Result};
 
 /// Largest condition number of the eigenvectors for which the modal form of a damped body is accepted.
@@ -13,9 +13,9 @@ pub struct Damped {
     /// First-order modal coordinates z.
     pub modes: Vec<Mode>,
     /// Matrices of x and v from the coordinates, Re(X z) and Re(V z).
-    pub shapes: [DMatrix<Complex<f64>>; 2],
+    pub shapes: [BlockMatrix; 2],
     /// Inputs b of forces on x.
-    pub inputs: DMatrix<Complex<f64>>,
+    pub inputs: BlockMatrix,
 }
 
 /// Computes the modes from the eigenvectors of (s x, v)˙ = [0 s; −ω²/s −C] (s x, v), where s = ω, or a value from the
@@ -67,7 +67,8 @@ pub fn damped(
         output: (0..n).map(|i| places[(i, c)] * force[i]).sum(),
     };
     let inputs = DMatrix::from_fn(chosen.len(), n, |c, i| inverse[(chosen[c].0, n + i)]);
-    Ok(Damped { modes: chosen.iter().enumerate().map(mode).collect(), shapes: [places, speeds], inputs })
+    let modes = chosen.iter().enumerate().map(mode).collect();
+    Ok(Damped { modes, shapes: [places, speeds].map(BlockMatrix::whole), inputs: BlockMatrix::whole(inputs) })
 }
 
 /// Returns the unit eigenvectors of an upper triangular matrix, as columns.

@@ -24,6 +24,7 @@ use nalgebra::Complex;
 
 use super::Mode;
 use super::rectangular_plate::RectangularPlate;
+use super::shift::vectors_over_one_shift;
 
 /// Order n of g: its number of poles with Re λ < 0.
 const POLES: usize = 8;
@@ -73,12 +74,10 @@ pub struct InfinitePlate {
     /// Waves not contained in ν, which are faster than any contact: pairs of the frequency ω (rad/s) and the compliance
     /// as a spring, m/N.
     pub fast_wave_compliances: Vec<(f64, f64)>,
-    /// Number of modes of the modelled part for each rad/s, s.
-    pub modes: f64,
+    /// Number of modes of the modelled part up to a frequency.
+    pub modes: ModeCount,
     /// Impedance Z of the whole plate by thin-plate theory, N s/m.
     pub impedance: f64,
-    /// √(ρh/D), s/m²: ratio of ξ² to ω for a long wave with the wavenumber ξ.
-    pub slowness: f64,
     /// Distance of the impact point from the nearest edge, m.
     pub distance_to_edge: f64,
     /// The whole plate, if its short waves are computed in closed form.
@@ -87,12 +86,57 @@ pub struct InfinitePlate {
     pub vectors_per_mode: f64,
 }
 
+/// Number of bending modes of a plate up to a frequency, as its area gives it: an area A has A ξ²/4π modes with
+/// wavenumbers below ξ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModeCount {
+    /// Number of modes of the modelled part over ξ², m².
+    pub over_square: f64,
+    /// Pairs of the frequency ω (rad/s) and the square ξ² of its wavenumber (1/m²), both ascending; at least two. ξ² is
+    /// linear in ω between two pairs, and beyond them.
+    pub dispersion: Vec<(f64, f64)>,
+}
+
+impl ModeCount {
+    /// Modes of a thin plate, with √(ρh/D) = ξ²/ω in s/m².
+    pub fn of_thin_plate(over_square: f64, slowness: f64) -> Self {
+        Self { over_square, dispersion: vec![(0.0, 0.0), (1.0, slowness)] }
+    }
+
+    /// Returns ξ² at a frequency (rad/s), 1/m².
+    fn square(&self, frequency: f64) -> f64 {
+        linear(&self.dispersion, frequency, |pair| *pair)
+    }
+
+    /// Returns the number of modes up to a frequency (rad/s).
+    pub fn up_to(&self, frequency: f64) -> f64 {
+        self.over_square * self.square(frequency)
+    }
+
+    /// Returns the frequency (rad/s) up to which there are this many modes.
+    pub fn frequency(&self, modes: f64) -> f64 {
+        linear(&self.dispersion, modes / self.over_square, |(frequency, square)| (*square, *frequency))
+    }
+}
+
+/// Interpolates linearly between pairs, which `of` turns into arguments and values, and beyond them.
+fn linear(pairs: &[(f64, f64)], at: f64, of: impl Fn(&(f64, f64)) -> (f64, f64)) -> f64 {
+    let after = pairs.partition_point(|pair| of(pair).0 < at).clamp(1, pairs.len() - 1);
+    let [(a, from), (b, to)] = [&pairs[after - 1], &pairs[after]].map(of);
+    from + (to - from) * (at - a) / (b - a)
+}
+
 impl InfinitePlate {
     /// Returns the plate with the echoes of its short waves computed in closed form, or neglected if there is no
     /// rectangle.
     pub fn with_echoes(self, rectangle: Option<RectangularPlate>) -> Self {
         let vectors_per_mode = if rectangle.is_some() { VECTORS_PER_COUNTED_MODE } else { VECTORS_PER_MODE };
         Self { rectangle, vectors_per_mode, ..self }
+    }
+
+    /// Returns the plate for a basis with a number of shifts, of which the first contributes the vibrations.
+    pub fn with_shifts(self, shifts: usize) -> Self {
+        Self { vectors_per_mode: vectors_over_one_shift(shifts) * self.vectors_per_mode, ..self }
     }
 
     /// Whether modes in closed form reach far enough above ω_c (rad/s).
@@ -104,10 +148,10 @@ impl InfinitePlate {
     pub fn cutoff(&self, vectors: usize) -> f64 {
         let modes = (vectors as f64 / self.vectors_per_mode).max(1.0);
         let Some(rectangle) = &self.rectangle else {
-            return modes / self.modes;
+            return self.modes.frequency(modes);
         };
         // The edges change the number of modes that follows from the area.
-        let estimate = modes / self.modes;
+        let estimate = self.modes.frequency(modes);
         let ends = [1.0, 1.3, 1.7, 2.2, 3.0].map(|factor| factor * estimate);
         let between = |end: f64| {
             let frequencies = rectangle.frequencies(end);
@@ -122,7 +166,7 @@ impl InfinitePlate {
     pub fn vectors(&self, frequency: f64) -> usize {
         let modes = match &self.rectangle {
             Some(rectangle) => rectangle.frequencies(frequency).len() as f64,
-            None => self.modes * frequency,
+            None => self.modes.up_to(frequency),
         };
         (self.vectors_per_mode * modes).ceil() as usize
     }
@@ -145,7 +189,7 @@ impl InfinitePlate {
 
     /// Whether the distance to the nearest edge is shorter than the wavelength at a frequency (rad/s).
     pub fn is_near_edge(&self, frequency: f64) -> bool {
-        self.distance_to_edge < TAU / (self.slowness * frequency).sqrt()
+        self.distance_to_edge < TAU / self.modes.square(frequency).sqrt()
     }
 
     /// Returns ν at a frequency (rad/s), s/kg.
@@ -225,9 +269,8 @@ impl InfinitePlate {
         Self {
             density,
             fast_wave_compliances: Vec::new(),
-            modes: 1e-3,
+            modes: ModeCount::of_thin_plate(1e-2, 0.1),
             impedance: 2000.0,
-            slowness: 0.1,
             distance_to_edge: 1.0,
             rectangle: None,
             vectors_per_mode: VECTORS_PER_MODE,
@@ -317,8 +360,9 @@ mod tests {
         let edges = [[EdgeSprings::default(); 2]; 2];
         let rectangle =
             RectangularPlate { lengths: [0.6, 0.8], hit: [0.3, 0.4], is_symmetric: [true; 2], edges, waves };
-        let plate = InfinitePlate { modes: 7.6e-4, ..InfinitePlate::of(vec![(0.0, 1e-4)]) }
-            .with_echoes(Some(rectangle.clone()));
+        let modes = ModeCount::of_thin_plate(7.6e-3, 0.1);
+        let plate =
+            InfinitePlate { modes, ..InfinitePlate::of(vec![(0.0, 1e-4)]) }.with_echoes(Some(rectangle.clone()));
         for frequency in [1e4, 5e4, 2e5] {
             let found = plate.cutoff(plate.vectors(frequency));
             let modes = rectangle.frequencies(1.1 * frequency);
@@ -374,9 +418,8 @@ mod tests {
             density: vec![(0.0, slowness / (4.0 * PI * mass))],
             fast_wave_compliances: Vec::new(),
             // A quarter of the modes moves the centre. The weight of the 400th mode is negligible.
-            modes: edges[0] * edges[1] * slowness / (16.0 * PI) * 1.6 / VECTORS_PER_MODE,
+            modes: ModeCount::of_thin_plate(edges[0] * edges[1] / (16.0 * PI) * 1.6 / VECTORS_PER_MODE, slowness),
             impedance: 8.0 * mass / slowness,
-            slowness,
             distance_to_edge: 0.5,
             rectangle: None,
             vectors_per_mode: VECTORS_PER_MODE,

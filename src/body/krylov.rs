@@ -253,7 +253,8 @@ impl Krylov {
             self.projected.release_first();
         }
         let mut projection = self.projected.projection(body, &self.properties, &self.basis, self.shifts[0].rate)?;
-        projection.infinite_plate = body.infinite_plate().filter(|_| self.leaves_short_waves).cloned();
+        let plate = body.infinite_plate().filter(|_| self.leaves_short_waves);
+        projection.infinite_plate = plate.map(|plate| plate.clone().with_shifts(self.shifts.len()));
         Ok(projection)
     }
 }

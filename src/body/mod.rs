@@ -2,6 +2,7 @@
 
 mod assembled;
 mod axpy;
+mod block_matrix;
 mod chosen_steps;
 mod clamps;
 mod columns;
@@ -48,13 +49,14 @@ mod system;
 mod unilateral;
 
 pub use assembled::Assembled;
+pub(crate) use block_matrix::BlockMatrix;
 pub(crate) use chosen_steps::FEW_MODES;
 pub use clamps::Clamps;
 pub use columns::Columns;
 pub use common_basis::{CommonBasis, main_directions, orthonormal_basis, project, snapshots};
 pub use diagonal_symmetry::DiagonalSymmetry;
 pub use direct_sum::DirectSum;
-pub use infinite_plate::{InfinitePlate, SHIFT_OVER_CUTOFF, VECTORS_PER_MODE};
+pub use infinite_plate::{InfinitePlate, ModeCount, SHIFT_OVER_CUTOFF, VECTORS_PER_MODE};
 pub use krylov::Krylov;
 pub use linear::{LinearBody, Operator, Properties, excited};
 pub use local::LocalBody;
@@ -66,12 +68,11 @@ pub use modes::{Closed, Free, Mode, Modes, Spectrum};
 pub use operators::Body;
 pub use pads::{PadOnSurface, PadPoints, Pads};
 pub use projection::Projection;
-pub(crate) use real_parts::real_parts;
 pub use rectangular_plate::{BendingWaves, EdgeSprings, RectangularPlate};
 pub use relaxation::{ProjectedRelaxation, Relaxation};
 pub use response::{Directions, Interpolant, Response};
-pub(crate) use shapes::Shapes;
-pub use shift::rates;
+pub(crate) use shapes::{Forms, Shapes};
+pub use shift::{rates, vectors_over_one_shift};
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};
 pub use start::Start;
 pub use system::System;

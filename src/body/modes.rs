@@ -5,14 +5,13 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::damped::{Damped, damped};
 use super::eigen::{semidefinite_factor_times, symmetric_eigen};
 use super::modal_relaxation::ModalRelaxation;
-use super::real_parts::real_parts;
 use super::relaxing_classes::relaxing;
 use super::relaxing_directions::amplitudes;
 use super::relaxing_modes::{Relaxing, at_rest_beyond};
 use super::row_blocks::RowBlocks;
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
-use super::{FoundationPoints, Projection};
+use super::{BlockMatrix, FoundationPoints, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
 
@@ -52,7 +51,7 @@ pub(crate) struct ModalFoundation {
     /// Foundation points. Their offsets s ū are reduced by the equilibrium displacement of the modes that are left out.
     pub points: FoundationPoints,
     /// Inputs b of forces on x, with dampers or relaxation. `None` without them; the inputs are then 1.
-    pub inputs: Option<DMatrix<Complex<f64>>>,
+    pub inputs: Option<BlockMatrix>,
 }
 
 /// One first-order coordinate of [`Modes`].
@@ -158,7 +157,7 @@ impl Modes {
     /// Returns the displacements x of the vibrations from z.
     pub(crate) fn places(&self, z: &[Complex<f64>]) -> DVector<f64> {
         if let Some([places, _]) = &self.forms.damped {
-            return real_parts(places, z);
+            return places.real_parts(z);
         }
         let frequencies = &self.forms.frequencies;
         DVector::from_iterator(frequencies.len(), z.iter().zip(frequencies).map(|(z, frequency)| z.im / frequency))
@@ -369,8 +368,7 @@ impl Spectrum {
         if let Some(ShortWaves { coordinates, .. }) = &self.short_waves {
             modes.extend(coordinates);
             // The short-wave coordinates are not part of x and v.
-            damped =
-                damped.map(|shapes| shapes.map(|shape| shape.resize_horizontally(modes.len(), Complex::new(0.0, 0.0))));
+            damped = damped.map(|shapes| shapes.map(|shape| shape.with_columns(modes.len())));
         }
         let foundation = self.foundation.as_ref().map(|all| {
             let mut points = all.select(&moving);

@@ -1,8 +1,9 @@
 //! Free motions of a viscoelastic body whose modes split into uncoupled classes, such as symmetry classes. Each class
 //! is solved separately.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
+use super::BlockMatrix;
 use super::damped::Damped;
 use super::eigen::coupled;
 use super::modal_relaxation::ModalRelaxation;
@@ -39,31 +40,34 @@ pub fn relaxing(
 /// Joins the coordinates of all classes, one class after the other.
 fn joined(classes: &[Vec<usize>], parts: Vec<Relaxing>, count: usize) -> Relaxing {
     let coordinates = parts.iter().map(|part| part.damped.modes.len()).sum();
-    let springs = parts.iter().map(|part| part.forms.stretches.nrows()).sum();
-    let zero = |rows, columns| DMatrix::<Complex<f64>>::zeros(rows, columns);
-    let (mut shapes, mut inputs) = ([zero(count, coordinates), zero(count, coordinates)], zero(coordinates, count));
-    let (mut elastic, mut stretches) = (DMatrix::zeros(count, count), zero(springs, coordinates));
+    let springs = parts.iter().map(|part| part.forms.stretches.rows()).sum();
     let mut modes = Vec::with_capacity(coordinates);
+    let [mut places, mut speeds, mut inputs, mut stretches] = [const { Vec::new() }; 4];
+    let mut elastic = Vec::new();
     let mut spring = 0;
     for (class, Relaxing { damped, forms }) in classes.iter().zip(parts) {
-        let (begin, own) = (modes.len(), damped.modes.len());
+        let own: Vec<usize> = (modes.len()..modes.len() + damped.modes.len()).collect();
+        let own_springs: Vec<usize> = (spring..spring + forms.stretches.rows()).collect();
+        spring += own_springs.len();
         modes.extend(damped.modes);
-        for (i, &row) in class.iter().enumerate() {
-            for (shapes, of_part) in shapes.iter_mut().zip(&damped.shapes) {
-                shapes.view_mut((row, begin), (1, own)).copy_from(&of_part.row(i));
-            }
-            inputs.view_mut((begin, row), (own, 1)).copy_from(&damped.inputs.column(i));
-            class.iter().enumerate().for_each(|(j, &column)| elastic[(row, column)] = forms.elastic[(i, j)]);
-        }
-        stretches.view_mut((spring, begin), forms.stretches.shape()).copy_from(&forms.stretches);
-        spring += forms.stretches.nrows();
+        let [of_places, of_speeds] = damped.shapes;
+        places.extend(of_places.into_blocks_of(class, &own));
+        speeds.extend(of_speeds.into_blocks_of(class, &own));
+        inputs.extend(damped.inputs.into_blocks_of(&own, class));
+        stretches.extend(forms.stretches.into_blocks_of(&own_springs, &own));
+        elastic.extend(forms.elastic.into_iter().map(|block| block.of_class(class)));
     }
+    let shapes = [places, speeds].map(|blocks| BlockMatrix::new([count, coordinates], blocks));
+    let inputs = BlockMatrix::new([coordinates, count], inputs);
+    let stretches = BlockMatrix::new([springs, coordinates], stretches);
     Relaxing { damped: Damped { modes, shapes, inputs }, forms: RelaxingForms { elastic, stretches } }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::relaxing_directions::Directions;
+    use nalgebra::Complex;
+
     use super::*;
     use crate::body::Mode;
     use crate::material::{Maxwell, Term};
@@ -101,21 +105,21 @@ mod tests {
             [(of(Some(&damping)), of(Some(&everywhere))), (of(None), of(Some(&(damping.clone() * 1e-17))))]
         {
             // Three springs for each of two terms: two springs in one class and one in the other.
-            assert_eq!(one.forms.stretches.nrows(), 6);
+            assert_eq!(one.forms.stretches.rows(), 6);
             assert_eq!(one.damped.modes.len(), other.damped.modes.len());
             for rate in [0.1, 1.0, 10.0] {
                 let [x, y] = [&one, &other].map(|of| answer(of, rate));
                 assert!((x - y).abs() < 1e-13, "{rate}: {x} {y}");
             }
-            assert!((&one.forms.elastic - &other.forms.elastic).amax() < 1e-14);
             let [x, y] = [&one, &other].map(|Relaxing { damped, forms }| {
                 let z: Vec<_> = damped
                     .modes
                     .iter()
                     .map(|mode| (mode.input + mode.load) / (Complex::new(1.0, 0.0) - mode.rate))
                     .collect();
-                let x = super::super::real_parts(&damped.shapes[0], &z);
-                forms.energy(&x, &z) + super::super::real_parts(&damped.shapes[1], &z).norm_squared()
+                let x = damped.shapes[0].real_parts(&z);
+                let x = DMatrix::from_column_slice(x.len(), 1, x.as_slice());
+                forms.energies(&x, &[&z])[0] + damped.shapes[1].real_parts(&z).norm_squared()
             });
             assert!((x - y).abs() < 1e-13, "{x} {y}");
         }

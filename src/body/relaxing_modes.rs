@@ -16,21 +16,43 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::block_matrix::real_times_complex;
 use super::damped::{CONDITION, Damped};
 use super::eigen::GeneralEigen;
 use super::modal_relaxation::ModalRelaxation;
 use super::rational_eigen::{Pair, Rational};
 use super::relaxing_directions::all_directions;
-use super::{Mode, real_parts};
+use super::{BlockMatrix, Mode};
 use crate::error::{Error, Result};
 
 /// Quadratic forms of the energy of a viscoelastic body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelaxingForms {
-    /// K after all relaxation in modal coordinates, 1/s².
-    pub elastic: DMatrix<f64>,
+    /// K after all relaxation in modal coordinates, one block for each class of coupled modes.
+    pub elastic: Vec<ElasticBlock>,
     /// Matrix E of the spring variables e = Re(E z), one row for each spring. The energy of a spring is ½ e².
-    pub stretches: DMatrix<Complex<f64>>,
+    pub stretches: BlockMatrix,
+}
+
+/// Stiffness of some of the modes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElasticBlock {
+    /// Numbers of the modes.
+    pub modes: Vec<usize>,
+    /// Stiffness in these modes, 1/s².
+    pub stiffness: DMatrix<f64>,
+}
+
+impl ElasticBlock {
+    /// Stiffness of all modes.
+    fn whole(stiffness: DMatrix<f64>) -> Self {
+        Self { modes: (0..stiffness.nrows()).collect(), stiffness }
+    }
+
+    /// Returns the block for all modes of a body, of which the block's modes are `class`.
+    pub fn of_class(self, class: &[usize]) -> Self {
+        Self { modes: self.modes.into_iter().map(|mode| class[mode]).collect(), ..self }
+    }
 }
 
 /// Modal form of a viscoelastic body.
@@ -42,9 +64,17 @@ pub struct Relaxing {
 }
 
 impl RelaxingForms {
-    /// Returns the energy of all springs, J, at x and z.
-    pub fn energy(&self, x: &DVector<f64>, z: &[Complex<f64>]) -> f64 {
-        0.5 * (x.dot(&(&self.elastic * x)) + real_parts(&self.stretches, z).norm_squared())
+    /// Returns the energy of all springs, J, for several x, one column for each, and z.
+    pub fn energies(&self, x: &DMatrix<f64>, z: &[&[Complex<f64>]]) -> Vec<f64> {
+        let springs = self.stretches.real_parts_of(z);
+        let mut energies: Vec<f64> = springs.column_iter().map(|of_springs| 0.5 * of_springs.norm_squared()).collect();
+        for ElasticBlock { modes, stiffness } in &self.elastic {
+            let own = x.select_rows(modes);
+            let forces = stiffness * &own;
+            let columns = own.column_iter().zip(forces.column_iter());
+            energies.iter_mut().zip(columns).for_each(|(energy, (x, force))| *energy += 0.5 * x.dot(&force));
+        }
+        energies
     }
 }
 
@@ -144,20 +174,15 @@ fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], [force, l
     let inputs = DMatrix::from_fn(pairs.len(), n, |c, i| pairs[c].shape[i] / pairs[c].slope);
     // ẇ = ẋ − w/τ.
     let couplings = DMatrix::from_fn(springs.len(), n, |k, i| springs[k].coupling[i]);
-    let mut stretches = complex_product(&couplings, &places);
+    let mut stretches = real_times_complex(&couplings, &places);
     for (mut column, pair) in stretches.column_iter_mut().zip(pairs) {
         let rows = column.iter_mut().zip(springs);
         rows.for_each(|(entry, spring)| *entry *= pair.rate / (pair.rate + spring.rate));
     }
     let rates: Vec<_> = pairs.iter().map(|pair| pair.rate).collect();
     let damped = coordinates(&rates, [places, speeds], inputs, [force, load]);
-    Relaxing { damped, forms: RelaxingForms { elastic, stretches } }
-}
-
-/// Returns A B for a real matrix A.
-fn complex_product(a: &DMatrix<f64>, b: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-    let (real, imaginary) = (a * b.map(|entry| entry.re), a * b.map(|entry| entry.im));
-    real.zip_map(&imaginary, Complex::new)
+    let stretches = BlockMatrix::whole(stretches);
+    Relaxing { damped, forms: RelaxingForms { elastic: vec![ElasticBlock::whole(elastic)], stretches } }
 }
 
 /// Returns the modes of coordinates with given rates, shapes and inputs, under forces.
@@ -171,7 +196,8 @@ fn coordinates(
     let outputs = shapes[0].tr_mul(&forces[0].map(|entry| Complex::new(entry, 0.0)));
     let mode =
         |(c, rate): (usize, &Complex<f64>)| Mode { rate: *rate, input: input[c], load: load[c], output: outputs[c] };
-    Damped { modes: rates.iter().enumerate().map(mode).collect(), shapes, inputs }
+    let modes = rates.iter().enumerate().map(mode).collect();
+    Damped { modes, shapes: shapes.map(BlockMatrix::whole), inputs: BlockMatrix::whole(inputs) }
 }
 
 /// Computes the same coordinates from the eigenvectors of the first-order system.
@@ -227,7 +253,8 @@ fn of_first_order(
     places.row_iter_mut().zip(scales.iter()).for_each(|(mut row, scale)| row.unscale_mut(*scale));
     let rates: Vec<_> = chosen.iter().map(|&(k, _)| eigen.value(k)).collect();
     let damped = coordinates(&rates, [places, speeds], inputs, forces);
-    Ok(Relaxing { damped, forms: RelaxingForms { elastic, stretches } })
+    let stretches = BlockMatrix::whole(stretches);
+    Ok(Relaxing { damped, forms: RelaxingForms { elastic: vec![ElasticBlock::whole(elastic)], stretches } })
 }
 
 #[cfg(test)]
@@ -266,6 +293,11 @@ mod tests {
         }
     }
 
+    /// Returns the energy of all springs at x and z.
+    fn energy(forms: &RelaxingForms, x: &DVector<f64>, z: &[Complex<f64>]) -> f64 {
+        forms.energies(&DMatrix::from_column_slice(x.len(), 1, x.as_slice()), &[z])[0]
+    }
+
     /// Returns z at a time after a start from zero, under a constant force of 1 and the loads.
     fn pushed(modes: &[Mode], time: f64) -> Vec<Complex<f64>> {
         modes.iter().map(|mode| phi(mode.rate * time)[0] * time * (mode.input + mode.load)).collect()
@@ -283,8 +315,8 @@ mod tests {
             let rates: Vec<f64> = springs(&relaxations).iter().map(|spring| spring.rate).collect();
             let power = |time: f64| {
                 let z = pushed(&damped.modes, time);
-                let stretches = real_parts(&forms.stretches, &z);
-                let v = real_parts(speeds, &z);
+                let stretches = forms.stretches.real_parts(&z);
+                let v = speeds.real_parts(&z);
                 let of_dampers = damping.as_ref().map_or(0.0, |damping| v.dot(&(damping * &v)));
                 stretches.iter().zip(&rates).map(|(e, rate)| e * e * rate).sum::<f64>() + of_dampers
             };
@@ -294,9 +326,9 @@ mod tests {
                 let middle = (f64::from(k) - 0.5) * panel;
                 lost += rule.iter().map(|(x, p)| 0.5 * panel * p * power(middle + 0.5 * panel * x)).sum::<f64>();
                 let z = pushed(&damped.modes, f64::from(k) * panel);
-                let (x, v) = (real_parts(places, &z), real_parts(speeds, &z));
+                let (x, v) = (places.real_parts(&z), speeds.real_parts(&z));
                 let work = x.dot(&(&force + &load));
-                let off = 0.5 * v.norm_squared() + forms.energy(&x, &z) + lost - work;
+                let off = 0.5 * v.norm_squared() + energy(&forms, &x, &z) + lost - work;
                 assert!(off.abs() < 1e-12, "{off:e} of {work} at {k}");
             }
             assert!(lost > 0.01, "{lost}");
@@ -337,7 +369,7 @@ mod tests {
         let counts = vec![2, 3, 1];
         part.directions = Some(Directions { factor: factor.clone(), counts: counts.clone() });
         let Relaxing { damped, forms } = relaxing(&squares, None, &part.parts(), [&force, &load]).unwrap();
-        assert_eq!(forms.stretches.nrows(), 6);
+        assert_eq!(forms.stretches.rows(), 6);
         for s in [1e-3, 0.1, 3.0, 40.0] {
             let mut operator = DMatrix::from_diagonal(&squares) + DMatrix::identity(4, 4) * (s * s);
             for (term, count) in part.chain.terms.iter().zip(&counts) {
@@ -379,7 +411,7 @@ mod tests {
                 let [(x, v, e), (y, w, f)] = [&one, &other].map(|Relaxing { damped, forms }| {
                     let z = pushed(&damped.modes, time);
                     let [places, speeds] = &damped.shapes;
-                    (real_parts(places, &z), real_parts(speeds, &z), real_parts(&forms.stretches, &z))
+                    (places.real_parts(&z), speeds.real_parts(&z), forms.stretches.real_parts(&z))
                 });
                 // Rounding of displacements and stretches of order one, and of the rates of the first-order system,
                 // relative to the fastest rate.

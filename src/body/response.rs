@@ -13,12 +13,12 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use serde::{Deserialize, Serialize};
 
-use super::Projection;
 use super::common_rates::{CommonRates, Decay};
 use super::eigen::symmetric_eigen;
 use super::modal::ModalBody;
 use super::modes::{Free, Mode, Modes};
 use super::shapes::{Forms, Shapes};
+use super::{BlockMatrix, Projection};
 use crate::contact::Patch;
 use numbers::Numbers;
 
@@ -62,11 +62,7 @@ impl Response {
         let Shapes { moving, free, residual, rest } = &modes.shapes;
         let kept = kept(&modes.modes, end);
         let mut places = match &modes.forms.damped {
-            Some([places, _]) => {
-                let places = places.select_columns(&kept);
-                let part = |of: fn(&Complex<f64>) -> f64| moving * places.map(|entry| of(&entry));
-                part(|entry| entry.re).zip_map(&part(|entry| entry.im), Complex::new)
-            }
+            Some([places, _]) => places.times_from_left(moving).select_columns(&kept),
             // x = Im z/ω.
             None => {
                 let frequencies = &modes.forms.frequencies;
@@ -293,7 +289,7 @@ impl Interpolant {
             hit_stress.1.iter_mut().zip(body.hit_stress.1).for_each(|(sum, local)| *sum += weight * local);
         }
         let hit_stress = (hit_stress.0.nrows() > 0).then(|| (shapes.mapped(&hit_stress.0), hit_stress.1));
-        let forms = Forms { damped: Some([places, DMatrix::zeros(0, count)]), ..Forms::none() };
+        let forms = Forms { damped: Some([places, DMatrix::zeros(0, count)].map(BlockMatrix::whole)), ..Forms::none() };
         let modes = Modes { modes, free, residual, rest: 0.0, forms, shapes, hit_stress, foundation: None };
         let mut body = ModalBody::given(modes);
         (body.compliance, body.multiplicity, body.patch) = (compliance, all[0].multiplicity, all[0].patch);

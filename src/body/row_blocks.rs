@@ -1,6 +1,6 @@
 //! A matrix whose rows have nonzero entries in a few sets of columns, typical of uncoupled symmetry classes.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// A matrix stored as blocks of rows with nonzero entries in the same columns.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -31,9 +31,14 @@ impl RowBlocks {
         Self(blocks.into_iter().map(block).collect())
     }
 
-    /// Returns |A x|².
-    pub fn squared_norm_of_product(&self, x: &DVector<f64>) -> f64 {
-        self.0.iter().map(|block| (&block.rows * x.select_rows(&block.columns)).norm_squared()).sum()
+    /// Returns |A x|² for each column x of a matrix.
+    pub fn squared_norms_of_products(&self, x: &DMatrix<f64>) -> Vec<f64> {
+        let mut squares = vec![0.0; x.ncols()];
+        for block in &self.0 {
+            let products = &block.rows * x.select_rows(&block.columns);
+            squares.iter_mut().zip(products.column_iter()).for_each(|(square, of)| *square += of.norm_squared());
+        }
+        squares
     }
 }
 
@@ -49,10 +54,11 @@ mod tests {
         for chosen in [vec![0, 1, 2, 3, 4, 5], vec![5, 0, 2], vec![]] {
             let blocks = RowBlocks::new(&matrix, &chosen);
             assert!(blocks.0.len() <= 3);
-            let x = DVector::from_fn(chosen.len(), |i, _| i as f64 - 1.5);
-            let exact = (matrix.select_columns(&chosen) * &x).norm_squared();
+            let x = DMatrix::from_fn(chosen.len(), 2, |i, j| i as f64 - 1.5 + j as f64);
+            let products = matrix.select_columns(&chosen) * &x;
+            let exact: Vec<f64> = products.column_iter().map(|product| product.norm_squared()).collect();
             // Exact, because these are sums of a few integers and halves.
-            assert_eq!(blocks.squared_norm_of_product(&x), exact);
+            assert_eq!(blocks.squared_norms_of_products(&x), exact);
         }
     }
 }

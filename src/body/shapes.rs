@@ -1,7 +1,8 @@
 //! Displacements of a body in its modes, and its energies.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
+use super::BlockMatrix;
 use super::relaxing_modes::RelaxingForms;
 use super::row_blocks::RowBlocks;
 
@@ -38,7 +39,7 @@ pub(crate) struct Forms {
     /// Energy of the left-out modes in equilibrium with the loads, J.
     pub rest: f64,
     /// Matrices of x = Re(X z) and v = Re(V z), with dampers or relaxation.
-    pub damped: Option<[DMatrix<Complex<f64>>; 2]>,
+    pub damped: Option<[BlockMatrix; 2]>,
     /// Replaces ω² in the energy of a viscoelastic body.
     pub relaxing: Option<RelaxingForms>,
     /// Whether there are outgoing waves: their energy counts as dissipated.

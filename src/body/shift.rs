@@ -116,6 +116,11 @@ pub fn rates(chains: &[&Maxwell], shift: f64, end: f64) -> Vec<f64> {
     rates
 }
 
+/// Returns the number of vectors at a number of shifts over those of them at the first shift.
+pub fn vectors_over_one_shift(shifts: usize) -> f64 {
+    if shifts > 1 { (VECTORS_AT_FIRST + 1) as f64 / VECTORS_AT_FIRST as f64 } else { 1.0 }
+}
+
 /// A start vector, with the chains of vectors made from it.
 pub(super) struct Source {
     /// Start vector: the contact force vector a, the loads, or the load vector of a foundation.

@@ -197,9 +197,12 @@ fn square(factor: f64, parts: Vec<Part<2>>) -> Square<2> {
     Square { factor, parts, place: AREA }
 }
 
+/// Number of the first rotation; those along the two axes follow one another.
+pub const ROTATIONS: usize = DEFLECTION + 1;
+
 /// Whether a field is a rotation along an axis.
 pub const fn is_rotation(field: usize, axis: usize) -> bool {
-    field > DEFLECTION && (field - DEFLECTION - 1) % 2 == axis
+    field >= ROTATIONS && (field - ROTATIONS) % 2 == axis
 }
 
 /// Field number after the two axes are exchanged: w keeps its number, and the two rotations θ_k exchange their numbers.

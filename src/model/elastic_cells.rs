@@ -14,10 +14,10 @@ use super::cells::{
     on_coarser_cells, refine, unrefined, with_local_fields,
 };
 use super::error_factors::ErrorFactors;
-use super::reduce::{BASIS_SHARE, Reduced, larger, rate};
+use super::reduce::{BASIS_SHARE, Plan, Reduced, larger};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::watch::Watch;
-use crate::body::{Assembled, rates};
+use crate::body::{Assembled, rates, vectors_over_one_shift};
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors};
@@ -46,15 +46,21 @@ pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
     let Parts::Layers(layers) = &scene.body.composition.parts else { return false };
     let has_elastic_faces =
         [layers.first(), layers.last()].into_iter().flatten().all(|face| face.material.shear.is_none());
+    is_layered
+        && has_elastic_faces
+        && keeps_much(scene)
+        && scene.time.modal
+        && !Description::new(scene).relaxations().is_empty()
+}
+
+/// Whether no layer relaxes strongly after the contact has begun.
+pub(super) fn keeps_much(scene: &Scene) -> bool {
+    let Parts::Layers(layers) = &scene.body.composition.parts else { return true };
     let [at_first, at_last] = [time(scene), scene.time.end];
     let keeps_much = |layer: &Layer| {
         layer.material.shear.as_ref().is_none_or(|chain| chain.at(at_last) >= LEFT_AT_END * chain.at(at_first))
     };
-    is_layered
-        && has_elastic_faces
-        && layers.iter().all(keeps_much)
-        && scene.time.modal
-        && !Description::new(scene).relaxations().is_empty()
+    layers.iter().all(keeps_much)
 }
 
 /// Cells that are fine enough.
@@ -63,31 +69,47 @@ struct Found {
     size: f64,
     /// Estimated discretisation error.
     error: Errors,
-    /// Number of vectors that the smaller of two bases needs for the elastic body.
-    vectors: usize,
+    /// Numbers of vectors that two bases of the elastic body need.
+    vectors: [usize; 2],
 }
 
 impl Found {
     /// Numbers of vectors with which the basis of the viscoelastic body begins to grow.
     fn first_vectors(&self, built: &Operators, scene: &Scene) -> [usize; 2] {
         // These too are a first guess: a body whose shapes change while it relaxes needs more vectors.
-        let is_at_one_rate = rates(&built.body.linear().chains(), rate(scene), scene.time.end).len() == 1;
-        let fewer = if is_at_one_rate { self.vectors } else { larger(self.vectors) };
+        let body = built.body.linear();
+        let start = Plan::new(body, scene).start;
+        let shifts = rates(&body.chains(), start.shift, start.end).len();
+        if start.leaves_short_waves {
+            return self.vectors.map(|vectors| (vectors_over_one_shift(shifts) * vectors as f64).ceil() as usize);
+        }
+        let [fewer, _] = self.vectors;
+        let fewer = if shifts == 1 { fewer } else { larger(fewer) };
         [fewer, larger(fewer)]
     }
 }
 
-/// Number of vectors with which the error of a viscoelastic body's basis meets its share of the tolerance, if the error
-/// is that of the elastic body and falls with the square of that number: a first guess. More vectors are added if the
-/// error is too large.
-fn vectors(reduced: &Reduced, scene: &Scene) -> usize {
+/// Numbers of vectors of two bases with which the error of a viscoelastic body meets its share of the tolerance, if it
+/// is the error of the elastic body: a first guess. If short waves are treated separately, the error is estimated in the
+/// same way. Otherwise it falls with the square of the number of vectors. More vectors are added if the error is too
+/// large.
+fn vectors(reduced: &Reduced, scene: &Scene) -> [usize; 2] {
     let [fewer, more] = reduced.counts();
+    if reduced.projection.infinite_plate.is_some() {
+        return [fewer, more];
+    }
     if reduced.rule == ErrorRule::default() {
-        return more;
+        return [more, larger(more)];
     }
     let error = ErrorFactors::VISCOELASTIC.smaller * reduced.difference.of(scene.measure);
     let needed = fewer as f64 * (error / (BASIS_SHARE * scene.tolerance)).sqrt();
-    (needed.ceil() as usize).clamp(fewer, more)
+    let needed = (needed.ceil() as usize).clamp(fewer, more);
+    [needed, larger(needed)]
+}
+
+/// The same numbers on all ranks. Collective.
+fn agreed(numbers: [usize; 2], watch: &dyn Watch) -> [usize; 2] {
+    numbers.map(|number| watch.agreed(number as f64) as usize)
 }
 
 /// The elastic body on coarser cells.
@@ -184,7 +206,7 @@ fn found(
     };
     let difference = watch.shared(fine.on_short_basis(&elastic, coarse.vectors))?.difference(&coarse.force);
     let error = coarse.errors(cells, &elastic, theory, difference);
-    let vectors = watch.agreed(self::vectors(&fine.reduced, scene) as f64) as usize;
+    let vectors = agreed(self::vectors(&fine.reduced, scene), watch);
     tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact = error.first_contact, "elastic cells");
     let over = watch.agreed(error.of(scene.measure) / (CELL_SHARE * scene.tolerance));
     if over <= 1.0 {
@@ -206,6 +228,6 @@ fn found(
     }
     // The required size is too far from the present one for an extrapolation.
     let Fitted { size, error, reduced, .. } = refine(comm, &elastic, theory, fine, of_other_bases(scene), watch)?;
-    let vectors = watch.agreed(self::vectors(&reduced, scene) as f64) as usize;
+    let vectors = agreed(self::vectors(&reduced, scene), watch);
     Ok(error.map(|error| Found { size, error, vectors }))
 }

@@ -1,6 +1,6 @@
 //! Judges a basis: estimates its error from the contact force on a smaller one.
 
-use crate::body::{Projection, Start};
+use crate::body::{InfinitePlate, Projection, Start};
 use crate::error::Result;
 use crate::impact::{ErrorRule, Errors};
 use crate::scene::{Reduction, Scene};
@@ -39,6 +39,8 @@ pub(super) struct Rule<'a> {
     pub(super) vectors: usize,
     pub(super) smaller: usize,
     pub(super) factors: ErrorFactors,
+    /// The infinite plate of the short waves that the bases leave out.
+    pub(super) plate: Option<&'a InfinitePlate>,
 }
 
 /// Result of comparing a basis with a smaller one.
@@ -83,13 +85,13 @@ impl Rule<'_> {
 
     /// Estimates the error from the difference of the two forces. Collective.
     fn judge(&self, difference: Errors) -> Judgement {
-        let Self { scene, watch, start, vectors, smaller, factors } = *self;
+        let Self { scene, watch, start, vectors, smaller, factors, .. } = *self;
         let share = if start.leaves_short_waves { BASIS_SHARE_OF_LONG_WAVES } else { BASIS_SHARE };
         let wanted = share * scene.tolerance;
         let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
         let is_small_enough = || watch.decided(factors.smaller * difference.of(scene.measure) <= wanted);
         let (of_difference, takes_smaller) = match factors.larger {
-            _ if start.leaves_short_waves => (of_larger(vectors, smaller), false),
+            _ if start.leaves_short_waves => (self.of_larger(smaller), false),
             Some(larger) if !is_given && !is_small_enough() => (larger, false),
             _ => (factors.smaller, true),
         };
@@ -99,6 +101,16 @@ impl Rule<'_> {
         let judged = Judged { vectors: if takes_smaller { smaller } else { vectors }, error: over * wanted, wanted };
         tracing::debug!(vectors, smaller, error = judged.error, wanted, "bases compared");
         Judgement { difference, rule, error, is_met: over <= 1.0, takes_smaller, judged }
+    }
+
+    /// Factor from the difference of two bases to the error of the larger one, if short waves are treated separately:
+    /// the error falls with the frequency up to which a basis has modes.
+    fn of_larger(&self, smaller: usize) -> f64 {
+        let growth = match self.plate {
+            Some(plate) => plate.cutoff(self.vectors) / plate.cutoff(smaller),
+            None => self.vectors as f64 / smaller as f64,
+        };
+        LONG_WAVES_MARGIN * (growth.powf(ORDER) - 1.0).recip()
     }
 
     /// The rule with a factor from the difference to the error.
@@ -112,20 +124,21 @@ impl Rule<'_> {
     ///
     /// # Errors
     /// If a PETSc call fails.
-    pub(super) fn closer(&self, mut error: Errors, projection: &Projection, trial: &Trial, trials: &Trials) -> Result<Errors> {
+    pub(super) fn closer(
+        &self,
+        mut error: Errors,
+        projection: &Projection,
+        trial: &Trial,
+        trials: &Trials,
+    ) -> Result<Errors> {
         let Self { watch, start, vectors, smaller, .. } = *self;
-        let has_other_contacts = || watch.decided(error.history > OTHER_CONTACTS * of_larger(vectors, smaller));
+        let has_other_contacts = || watch.decided(error.history > OTHER_CONTACTS * self.of_larger(smaller));
         if start.leaves_short_waves && has_other_contacts() {
             let near = projection.leading((HISTORY_BASIS_FRACTION * vectors as f64) as usize);
             let force = trials.force_in(trial.steps, &near)?.force;
-            let rule = self.rule(of_larger(vectors, near.vectors()));
+            let rule = self.rule(self.of_larger(near.vectors()));
             error.history = rule.errors(force.difference(&trial.force)).history;
         }
         Ok(error)
     }
-}
-
-/// Factor from the difference of two bases to the error of the larger one, if short waves are treated separately.
-fn of_larger(vectors: usize, smaller: usize) -> f64 {
-    LONG_WAVES_MARGIN * ((vectors as f64 / smaller as f64).powf(ORDER) - 1.0).recip()
 }

@@ -28,6 +28,10 @@ use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
 
+/// Tolerance for cells and basis over the error of the theory, if this error exceeds the tolerance and the theory is
+/// used nevertheless. Smaller errors of cells and basis would hardly lower the sum of all errors.
+const REST_OVER_THEORY: f64 = 0.5;
+
 /// The elastic layerwise plate. Its difference from the plate of [`build_thin`] gives the error of the theory.
 enum Thick {
     /// On cells and a basis for the scene's tolerance.
@@ -87,7 +91,7 @@ pub(super) fn layered(
         let splines = if scene.is_reduced() { spline::admits(scene) } else { Err("it is not reduced".to_owned()) };
         match splines {
             Err(reason) if over * tolerance <= LARGEST_ERROR_INSTEAD_OF_MESH => {
-                left.tolerance = tolerance;
+                left.tolerance = tolerance.max(REST_OVER_THEORY * over * tolerance);
                 passed.push(format!(
                     "{judged}, above {share:.1e}, the theory's share of the tolerance, but used: splines cannot model its solid ({reason}), and a mesh has no stresses on faces between layers"
                 ));
@@ -121,5 +125,6 @@ pub(super) fn layered(
     } else {
         Model::of(comm, &left, Theory::Layerwise, watch)?
     };
+    let model = Model { tolerance: tolerance.max(left.tolerance), ..model };
     Ok(Some(model.with_error(Cause::Theory, of_theory.joined(compression_error(scene)))))
 }

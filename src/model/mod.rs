@@ -56,6 +56,8 @@ pub struct Model {
     pub vectors: Option<usize>,
     /// The body reduced to another basis, for estimating the error of impacts that differ from the scene's.
     pub judge: Option<JudgeBasis>,
+    /// Tolerance of the time steps: the scene's, or a larger one beside a larger error of the theory.
+    pub tolerance: f64,
     /// Contact forces of the scene's impact that are known already, in time steps that its error control tries.
     pub known: Vec<KnownForce>,
     /// Estimated error by basis, discretisation and theory, as far as each is known.
@@ -141,13 +143,17 @@ impl Model {
     /// Makes the model of one theory. Collective.
     fn of(comm: &Comm, scene: &Scene, theory: scene::Model, watch: &dyn Watch) -> Result<Self> {
         match build(comm, scene, theory, 1.0, watch)? {
-            Built::Given(body) => Ok(Self::bare(theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
+            Built::Given(body) => Ok(Self::bare(scene, theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
             Built::Operators(Operators { body, discretisation, evaluator, measures, .. }) if !scene.is_reduced() => {
                 let body = body.in_petsc(&comm.session().alone())?;
                 let unknowns = body.unknowns();
                 let gauges = || Gauges::new(comm, scene, evaluator, unknowns, None);
                 let gauges = scene.output.is_read().then(gauges).transpose()?;
-                Ok(Self { gauges, measures, ..Self::bare(theory, Dynamics::Stepped(body), unknowns, discretisation) })
+                Ok(Self {
+                    gauges,
+                    measures,
+                    ..Self::bare(scene, theory, Dynamics::Stepped(body), unknowns, discretisation)
+                })
             }
             Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built, watch)?),
         }
@@ -169,7 +175,7 @@ impl Model {
         };
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
-        let bare = Self::bare(theory, dynamics, unknowns, discretisation);
+        let bare = Self::bare(scene, theory, dynamics, unknowns, discretisation);
         let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
@@ -179,8 +185,9 @@ impl Model {
     }
 
     /// A model without basis and without error estimates.
-    fn bare(theory: scene::Model, dynamics: Dynamics, unknowns: usize, discretisation: String) -> Self {
+    fn bare(scene: &Scene, theory: scene::Model, dynamics: Dynamics, unknowns: usize, discretisation: String) -> Self {
         Self {
+            tolerance: scene.tolerance,
             theory,
             dynamics,
             unknowns,

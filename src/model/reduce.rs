@@ -2,12 +2,15 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::{DirectSum, LinearBody, ModalBody, Projection, SHIFT_OVER_CUTOFF, Start};
+use crate::body::{
+    DirectSum, LinearBody, ModalBody, Projection, SHIFT_OVER_CUTOFF, Start, rates, vectors_over_one_shift,
+};
 use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors, KnownForce, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
 use super::beside_echoes;
+use super::elastic_cells::keeps_much;
 use super::error_factors::ErrorFactors;
 use super::judgement::Rule;
 use super::long_waves::{LongWaves, ORDER};
@@ -235,7 +238,9 @@ pub fn reduce_from(
                 if let Some(judge) = judged.or(tried.len().checked_sub(1).filter(|_| enough)) {
                     let Tried { vectors: smaller, trial: judge } = &mut tried[judge];
                     failed = is_smaller_used.then_some(*smaller);
-                    let rule = Rule { scene, watch, start, vectors: count, smaller: *smaller, factors };
+                    let plate = projection.infinite_plate.clone();
+                    let plate = plate.as_ref();
+                    let rule = Rule { scene, watch, start, vectors: count, smaller: *smaller, factors, plate };
                     let judgement = match rule.judge_on(&projection, [judge, &mut trial], &mut trials, enough) {
                         Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
                         Err(error) if enough => return Err(error),
@@ -343,8 +348,8 @@ impl Plan {
             vectors: FIRST_VECTORS,
             has_echoes: false,
         };
-        // Separate outgoing waves are not available for viscoelastic bodies either.
-        let is_bound = body.is_on_foundations() || !body.chains().is_empty();
+        // The shapes of a strongly relaxing body change, for which modes above ω_c are needed too.
+        let is_bound = body.is_on_foundations() || !(body.chains().is_empty() || keeps_much(scene));
         let plate = body.infinite_plate().filter(|_| !is_bound);
         let most = MAX_VECTORS_PER_CLASS * body.classes().len();
         let Some(LongWaves { frequency, vectors }) = plate.and_then(|plate| LongWaves::of(scene, plate, most)) else {
@@ -352,8 +357,9 @@ impl Plan {
         };
         let start = Start { shift: SHIFT_OVER_CUTOFF * frequency, end, leaves_short_waves: true, in_blocks };
         let has_echoes = plate.is_some_and(|plate| plate.rectangle.is_some());
+        let vectors = vectors_over_one_shift(rates(&body.chains(), start.shift, end).len()) * vectors as f64;
         // The first basis is the smaller one in the comparison with the second, if there are two.
-        let vectors = if has_echoes { vectors } else { (vectors as f64 / 1.5).ceil() as usize };
+        let vectors = if has_echoes { vectors } else { vectors / 1.5 }.ceil() as usize;
         Self { start, vectors, has_echoes }
     }
 }

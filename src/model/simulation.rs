@@ -36,7 +36,10 @@ impl Simulation {
         let (of_model, is_moved_by_loads, patch) = (model.error, model.is_moved_by_loads, model.dynamics.patch());
         let mut integration: Box<dyn TimeIntegration> = match model.dynamics {
             Dynamics::Stepped(body) => Box::new(SteppedImpact::new(scene, *body)?),
-            Dynamics::Modal(body) => Box::new(ModalImpact::new(scene, body).with_known(model.known)),
+            Dynamics::Modal(body) => {
+                let scene = Scene { tolerance: model.tolerance, ..scene.clone() };
+                Box::new(ModalImpact::new(&scene, body).with_known(model.known))
+            }
         };
         let (mut sampler, mut faces, mut face_points) = (None, Vec::new(), Vec::new());
         if let Some(Gauges { readout, sampler: of_fields, .. }) = model.gauges {

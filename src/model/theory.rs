@@ -174,7 +174,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
 /// # Errors
 /// Same as [`build`].
 pub(super) fn build_thin(comm: &Comm, scene: &Scene) -> Result<Operators> {
-    let settings = plate::Settings { is_thin: true, ..plate::Settings::new(scene.tolerance, PlateTheory::Layerwise) };
+    let settings = plate::Settings { is_thin: true, ..plate_settings(scene, PlateTheory::Layerwise, 1.0)? };
     let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, PlateTheory::Layerwise, &settings)?;
     loaded(scene, of_grid(comm, scene, (system, points), [x, y, 1], String::new())?)
 }
@@ -237,7 +237,7 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
     if let Contact::Patch { disc: Some(disc), .. } = scene.contact {
         settings.disc_radius = Some(disc);
     }
-    if theory == PlateTheory::Mindlin {
+    if matches!(theory, PlateTheory::Mindlin | PlateTheory::Layerwise) {
         let plate = plate::infinite_plate(scene, theory)?;
         let most = MAX_VECTORS_PER_CLASS * plate::classes_of_motions(scene, theory)?;
         let planned = |plate: &InfinitePlate| LongWaves::of(scene, plate, most);
@@ -246,6 +246,7 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
             settings.has_echoes_in_closed_form = true;
         } else if planned(&plate.with_echoes(None)).is_some() {
             settings.largest_cell_factor = LONG_WAVE_CELL_FACTOR;
+            settings.separates_short_waves = true;
         }
     }
     Ok(settings)

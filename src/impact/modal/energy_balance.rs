@@ -4,29 +4,63 @@
 //! to rounding. The numerical energy of a step is therefore ΔV + ∫F_d δ̇ dt − ∫F δ̇ dt, where V is the potential of the
 //! contact and F_d its damping force.
 
-use nalgebra::DVector;
+use nalgebra::{Complex, DVector};
 
-use crate::body::{Modes, real_parts};
+use crate::body::{Forms, Modes};
 use crate::contact::Law;
 use crate::impact::ImpactParameters;
 use crate::impact::step::Energy;
 use crate::scheme::modal::{quadratic, slopes};
 
 use super::motion::Taken;
-use super::step_response::State;
+use super::recorder::{Moment, Vibrations};
 
 /// Sums of the exchanged energy since t = 0, J, for the modelled part.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct EnergyBalance {
+pub struct Exchanged {
     numerical: f64,
     /// Energy dissipated by the damping of the contact.
     of_contact: f64,
+}
+
+/// Values at t = 0 to which the balance refers, J, for the modelled part.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct EnergyBalance {
     initial: Option<f64>,
-    /// Product of the loads with the displacement at t = 0.
+    /// Product of the loads with the displacement.
     before: Option<f64>,
 }
 
-impl EnergyBalance {
+/// Energies stored in a vibrating body at some moments, J, for the modelled part.
+pub struct Bent {
+    /// Energy of the body with its supports.
+    whole: Vec<f64>,
+    /// Energy of the supports, without their own displacements.
+    support: Vec<f64>,
+}
+
+impl Bent {
+    /// The energies at the moments of these vibrations, with their modal coordinates.
+    pub fn new(forms: &Forms, vibrations: &Vibrations, states: &[&[Complex<f64>]]) -> Self {
+        let places = &vibrations.places;
+        let of_squares = |x: nalgebra::DVectorView<f64>| -> f64 {
+            0.5 * forms.squares.iter().zip(x.iter()).map(|(square, x)| square * x * x).sum::<f64>()
+        };
+        let whole = match &forms.relaxing {
+            None => places.column_iter().map(of_squares).collect(),
+            Some(relaxing) => relaxing.energies(places, states),
+        };
+        let support = forms.support.squared_norms_of_products(places).into_iter().map(|square| 0.5 * square).collect();
+        Self { whole, support }
+    }
+
+    /// Energy of the body with its supports, and of the supports alone, at a moment.
+    pub fn at(&self, moment: usize) -> [f64; 2] {
+        [self.whole[moment], self.support[moment]]
+    }
+}
+
+impl Exchanged {
     /// Accounts for a step; `potential` is the change of the contact law's potential, J.
     pub fn account(&mut self, taken: &Taken, law: &Law, potential: f64) {
         // ∫F δ̇ dt = [F δ] − ∫Ḟ δ dt. Since δ is the quartic through its five values and Ḟ is linear, Boole's rule is
@@ -48,23 +82,22 @@ impl EnergyBalance {
         self.of_contact += damped;
         self.numerical += potential + damped - (ends - inside) + taken.made;
     }
+}
 
-    /// Returns the energies of the whole body at a state with its vibration. The last argument is the contact force
-    /// (N), the potential of the contact (J) and the energy of springs that lifted-off foundations do not have (J).
+impl EnergyBalance {
+    /// Returns the energies of the whole body at a moment with the displacements x and velocities v of its vibrations.
+    /// `bent` are the energies of [`Bent::at`].
     pub fn energy(
         &mut self,
         (modes, parameters): (&Modes, &ImpactParameters),
-        state: &State,
-        (x, v): &Vibration,
-        (force, contact, absent): (f64, f64, f64),
+        moment: &Moment,
+        [x, v]: &[DVector<f64>; 2],
+        [bent, of_support]: [f64; 2],
+        exchanged: Exchanged,
     ) -> Energy {
         let forms = &modes.forms;
-        let of_support = 0.5 * forms.support.squared_norm_of_product(x);
+        let Moment { state, force, potential: contact, absent, .. } = moment;
         let support = of_support - forms.support_load.dot(x) + forms.support_offset - absent;
-        let bent = match &forms.relaxing {
-            None => 0.5 * forms.squares.iter().zip(x).map(|(square, x)| square * x * x).sum::<f64>(),
-            Some(relaxing) => relaxing.energy(x, &state.modes),
-        };
         let elastic = bent - of_support + 0.5 * modes.residual * force * force + state.settled * forms.rest;
         let free = modes.free;
         let (impulse, t) = (state.impulse, state.time);
@@ -81,8 +114,8 @@ impl EnergyBalance {
         // Without dampers, viscoelastic parts and outgoing waves, the residual of the balance is the numerical energy.
         let off = total - external - initial;
         let (dissipated, numerical) = match forms.damped.is_some() || forms.is_open {
-            false => (self.of_contact, off + self.of_contact),
-            true => (self.numerical - off, self.numerical),
+            false => (exchanged.of_contact, off + exchanged.of_contact),
+            true => (exchanged.numerical - off, exchanged.numerical),
         };
         let n = parameters.multiplicity;
         Energy {
@@ -97,19 +130,4 @@ impl EnergyBalance {
             total: n * total,
         }
     }
-}
-
-/// Displacements x and velocities v of the vibrations.
-pub(super) type Vibration = (DVector<f64>, DVector<f64>);
-
-/// Returns the vibration of a state.
-pub(super) fn coordinates(modes: &Modes, state: &State) -> Vibration {
-    let z = &state.modes;
-    if let Some([places, speeds]) = &modes.forms.damped {
-        return (real_parts(places, z), real_parts(speeds, z));
-    }
-    // The coordinates of short waves, after those of the vibrations, are not part of x and v.
-    let count = modes.forms.frequencies.len();
-    let speeds = DVector::from_iterator(count, z.iter().take(count).map(|z| z.re));
-    (modes.places(z), speeds)
 }

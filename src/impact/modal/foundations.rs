@@ -167,7 +167,7 @@ impl<'a> FoundationState<'a> {
     fn inputs(&self, pulls: [&ForceState; 3]) -> [Vec<Complex<f64>>; 3] {
         pulls.map(|pull| match &self.foundation.inputs {
             None => pull.along.iter().map(|f| Complex::new(*f, 0.0)).collect(),
-            Some(inputs) => (inputs * pull.along.map(|f| Complex::new(f, 0.0))).as_slice().to_vec(),
+            Some(inputs) => inputs.times(&pull.along),
         })
     }
 

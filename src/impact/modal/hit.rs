@@ -1,7 +1,5 @@
 //! Tension on the face opposite the impact point, at every step; it serves to estimate the error of the stresses.
 
-use nalgebra::{Complex, DMatrix};
-
 use crate::body::Modes;
 use crate::form::stress::largest_in_plane;
 
@@ -30,7 +28,7 @@ impl HitTension {
     /// equal parts of the whole body.
     pub fn new(modes: &Modes, multiplicity: f64) -> Option<Self> {
         let (shapes, local) = modes.hit_stress.as_ref()?;
-        let of_places = modes.forms.damped.as_ref().map(|[places, _]| on_modes(&shapes.moving, places));
+        let of_places = modes.forms.damped.as_ref().map(|[places, _]| places.times_from_left(&shapes.moving));
         let stresses = [0, 1, 2].map(|i| {
             let [way, of_load] = &shapes.free;
             let others = [way[i], of_load[i], shapes.residual[i], shapes.rest[i]];
@@ -40,7 +38,10 @@ impl HitTension {
                     let places = row.iter().zip(&modes.forms.frequencies).map(|(x, frequency)| x / frequency);
                     (Vec::new(), places.collect())
                 }
-                Some(sums) => (sums.iter().map(|sum| sum[i].re).collect(), sums.iter().map(|sum| -sum[i].im).collect()),
+                Some(stresses) => {
+                    let row = stresses.row(i);
+                    (row.iter().map(|z| z.re).collect(), row.iter().map(|z| -z.im).collect())
+                }
             };
             Reading { real, imaginary, others }
         });
@@ -59,17 +60,4 @@ impl HitTension {
             moving + damped + rest + force * self.local[i]
         }))
     }
-}
-
-/// Product of three rows (the columns of `rows` hold their entries) with the displacements of each mode, three sums for
-/// each mode.
-fn on_modes(rows: &DMatrix<f64>, places: &DMatrix<Complex<f64>>) -> Vec<[Complex<f64>; 3]> {
-    let of_mode = |column: nalgebra::DVectorView<Complex<f64>>| {
-        let mut sums = [Complex::new(0.0, 0.0); 3];
-        for (row, place) in rows.column_iter().zip(column.iter()) {
-            (0..3).for_each(|i| sums[i] += place * row[i]);
-        }
-        sums
-    };
-    places.column_iter().map(of_mode).collect()
 }

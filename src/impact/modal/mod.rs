@@ -12,6 +12,7 @@ mod foundations;
 mod hit;
 mod motion;
 mod reading;
+mod recorder;
 mod stage;
 mod step_response;
 mod trace;
@@ -28,16 +29,16 @@ use crate::scene::{Impactor, Initial, Measure, Scene, Vec3};
 use super::checkpoint::Checkpoint;
 use super::gate::Gate;
 use super::observer::{Observed, Observer};
-use super::reading::{Reading, Readout};
-use super::step::{Contact, Energy, Motion as ImpactorMotion, Step};
+use super::reading::Readout;
+use super::step::Step;
 use super::{Count, ImpactParameters, Plan, TimeIntegration};
 use crate::impact::step::at;
 pub use controlled::KnownForce;
-use energy_balance::{EnergyBalance, Vibration, coordinates};
 use hit::HitTension;
 use motion::Motion;
 pub use motion::Steps;
-use reading::{FacesOfSteps, FacesReading, Reader};
+use reading::{FacesOfSteps, FacesReading};
+use recorder::Recorder;
 use step_response::{FreeBody, State};
 pub use trace::Trace;
 
@@ -262,24 +263,16 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
         let of_hit = HitTension::new(&modes, parameters.multiplicity);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps, faces: None };
-        let mut energy_balance = (self.has_energies && observed).then(EnergyBalance::default);
-        let mut reader = self.readout.as_ref().filter(|_| observed).map(|readout| Reader::new(readout, &modes));
-        let mut see = |number: usize, motion: &Motion, energy_balance: Option<&mut EnergyBalance>| {
-            let with_energy = energy_balance.map(|balance| (balance, coordinates(&modes, &motion.state)));
-            let places = with_energy.as_ref().map(|(_, (places, _))| places.clone());
-            let step = seen(number, motion, (&modes, &parameters), with_energy);
-            let read = |reader: &mut Reader| reader.read(&step, motion, places);
-            let reading = reader.as_mut().map_or_else(Reading::default, read);
-            Observed { step, reading }
-        };
-        if observed {
-            done.steps.push(see(0, &motion, energy_balance.as_mut()));
+        let mut recorder =
+            observed.then(|| Recorder::new(&modes, &parameters, self.has_energies, self.readout.as_ref()));
+        if let Some(recorder) = &mut recorder {
+            recorder.record(0, &motion);
         }
         let mut number = 0;
         // A remaining time within rounding of the end counts as zero.
         while self.end - motion.state.time > 1e-12 * self.end {
             number += 1;
-            let before = energy_balance.as_ref().map(|_| law.potential(motion.approach));
+            let before = motion.approach;
             let taken = motion.advance(self.end).map_err(|error| at(error, number, motion.state.time))?;
             let time = motion.state.time;
             let shown = motion.approach - modes.residual * motion.force;
@@ -298,16 +291,16 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             if let Some(tension) = of_hit.as_ref().filter(|_| time <= done.trace.needs_tension_until()) {
                 done.trace.push_tension(time, tension.at(&motion));
             }
-            if observed {
-                if let (Some(energy_balance), Some(before)) = (&mut energy_balance, before) {
-                    energy_balance.account(&taken, &law, law.potential(motion.approach) - before);
-                }
-                done.steps.push(see(number, &motion, energy_balance.as_mut()));
+            if let Some(recorder) = &mut recorder {
+                recorder.account(&taken, &motion, before);
+                recorder.record(number, &motion);
             }
         }
         self.count.solves += motion.solves;
         self.count.iterations += motion.iterations;
-        done.faces = reader.and_then(Reader::finish);
+        if let Some(recorder) = recorder {
+            (done.steps, done.faces) = recorder.finish();
+        }
         Ok(done)
     }
 }
@@ -347,37 +340,4 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
 
 fn parameters(impactor: &Impactor, body: &ModalBody) -> ImpactParameters {
     ImpactParameters::of(impactor, body.multiplicity, body.compliance)
-}
-
-/// Returns the present step for the observers.
-fn seen(
-    number: usize,
-    motion: &Motion,
-    (modes, parameters): (&Modes, &ImpactParameters),
-    energy_balance: Option<(&mut EnergyBalance, Vibration)>,
-) -> Step {
-    let (state, force) = (&motion.state, motion.force);
-    let approach = motion.approach - modes.residual * force;
-    // The true approach is δ = δ_modes − r F, where r is the static compliance of the modes left out.
-    let law = motion.law();
-    Step {
-        number,
-        time: state.time,
-        impactor: ImpactorMotion {
-            position: state.impactor[0],
-            velocity: state.impactor[1],
-            acceleration: force / parameters.mass,
-        },
-        contact: Contact {
-            force: parameters.multiplicity * force,
-            indentation: law.indentation(motion.approach, force),
-            surface_displacement: state.surface(modes) + modes.residual * force + state.settled * modes.rest,
-            approach,
-            rate: motion.rate() - modes.residual * motion.rise(),
-        },
-        energy: energy_balance.map_or(Energy::default(), |(energy_balance, vibration)| {
-            let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;
-            energy_balance.energy((modes, parameters), state, &vibration, (force, potential, motion.absent_energy()))
-        }),
-    }
 }

@@ -6,13 +6,11 @@ use nalgebra::{DMatrix, DVector};
 use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
-use crate::impact::step::Step;
 use crate::space::evaluate::{
     ContactNow, ContactSize, Coordinates, FaceStresses, LineStresses, Map, TensionMap, TensionSearch,
 };
 
-use super::energy_balance::coordinates;
-use super::motion::Motion;
+use super::recorder::Moment;
 
 /// Reads the steps of one run.
 pub struct Reader<'a> {
@@ -117,30 +115,36 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a step; `places` are the displacements x of the vibrations, if they are known already.
-    pub fn read(&mut self, step: &Step, motion: &Motion, places: Option<DVector<f64>>) -> Reading {
+    /// Whether [`Self::read`] needs the vibrations.
+    pub fn needs_vibrations(&self) -> bool {
+        let is_on_basis = |faces: &FacesOfSteps| matches!(faces.stresses, StressesOfSteps::OnBasis(_));
+        let of_faces = self.faces.as_ref().is_some_and(|faces| !is_on_basis(faces));
+        self.is_here && (of_faces || self.probes.is_some() || self.fields.is_some())
+    }
+
+    /// Reads a step, with the displacements x and velocities v of the vibrations if they are needed.
+    pub fn read(&mut self, moment: &Moment, vibration: &[DVector<f64>; 2]) -> Reading {
         let mut reading = Reading::default();
         if !self.is_here {
             return reading;
         }
         if let Some(faces) = &mut self.faces {
-            let state = &motion.state;
+            let state = &moment.state;
             if let StressesOfSteps::OnBasis(_) = faces.stresses {
                 // The weights of all steps are multiplied by the columns together, after the run.
                 faces.weights.extend(state.modes.iter().map(|z| z.re));
                 faces.weights.extend(state.modes.iter().map(|z| z.im));
             } else {
-                let moved = places.unwrap_or_else(|| self.modes.places(&state.modes));
-                faces.weights.extend_from_slice(moved.as_slice());
+                faces.weights.extend_from_slice(vibration[0].as_slice());
             }
-            faces.weights.extend([state.way, 0.5 * state.time * state.time, motion.force, state.settled]);
+            faces.weights.extend([state.way, 0.5 * state.time * state.time, moment.force, state.settled]);
         }
         if let Some((shapes, forms)) = &self.probes {
-            let [moved, rates] = values(self.modes, shapes, motion);
-            reading.probes = forms.probes((moved.as_slice(), rates.as_slice()), &contact(&self.contact, step));
+            let [moved, rates] = values(shapes, moment, vibration);
+            reading.probes = forms.probes((moved.as_slice(), rates.as_slice()), &contact(&self.contact, &moment.step));
         }
-        if self.fields.is_some_and(|every| step.number.is_multiple_of(every)) {
-            let all = values(self.modes, &self.modes.shapes, motion);
+        if self.fields.is_some_and(|every| moment.step.number.is_multiple_of(every)) {
+            let all = values(&self.modes.shapes, moment, vibration);
             reading.coordinates = Some(all.map(|values| values.as_slice().to_vec()));
         }
         reading
@@ -210,8 +214,9 @@ fn columns_on_basis(modes: &Modes) -> DMatrix<f64> {
     let mut columns = DMatrix::zeros(way.len(), 2 * count + 4);
     match &modes.forms.damped {
         Some([places, _]) => {
-            columns.columns_mut(0, count).zip_apply(places, |column, place| *column = place.re);
-            columns.columns_mut(count, count).zip_apply(places, |column, place| *column = -place.im);
+            let places = places.dense();
+            columns.columns_mut(0, count).zip_apply(&places, |column, place| *column = place.re);
+            columns.columns_mut(count, count).zip_apply(&places, |column, place| *column = -place.im);
         }
         None => {
             let frequencies = modes.forms.frequencies.iter();
@@ -226,10 +231,8 @@ fn columns_on_basis(modes: &Modes) -> DMatrix<f64> {
 }
 
 /// Values of the forms `shapes` and their time derivatives, including the static response of the modes left out.
-pub fn values(modes: &Modes, shapes: &Shapes, motion: &Motion) -> [DVector<f64>; 2] {
-    let (state, force) = (&motion.state, motion.force);
-    let (x, v) = coordinates(modes, state);
-    let rise = motion.rise();
+fn values(shapes: &Shapes, moment: &Moment, [x, v]: &[DVector<f64>; 2]) -> [DVector<f64>; 2] {
+    let Moment { state, force, rise, .. } = moment;
     let t = state.time;
     let value = |moving: &DVector<f64>, [way, of_load, force]: [f64; 3]| {
         let mut sum = &shapes.moving * moving;
@@ -238,7 +241,7 @@ pub fn values(modes: &Modes, shapes: &Shapes, motion: &Motion) -> [DVector<f64>;
         sum.axpy(force, &shapes.residual, 1.0);
         sum
     };
-    let mut values = value(&x, [state.way, 0.5 * t * t, force]);
+    let mut values = value(x, [state.way, 0.5 * t * t, *force]);
     values.axpy(state.settled, &shapes.rest, 1.0);
-    [values, value(&v, [state.impulse, t, rise])]
+    [values, value(v, [state.impulse, t, *rise])]
 }

@@ -48,6 +48,11 @@ pub struct Settings {
     pub cell_size_factor: f64,
     /// Additional factor on the size of the largest cells alone.
     pub largest_cell_factor: f64,
+    /// Whether short waves of several layers may be treated separately, for which [`InfinitePlate`] is computed. It is
+    /// always known for one layer.
+    ///
+    /// [`InfinitePlate`]: crate::body::InfinitePlate
+    pub separates_short_waves: bool,
     /// Whether the echoes of short waves are computed in closed form, if the plate admits that. A cell as wide as the
     /// thickness then lies along each edge: it resolves the boundary layer of Mindlin's theory, as closed forms do.
     pub has_echoes_in_closed_form: bool,
@@ -89,6 +94,7 @@ impl Default for Settings {
         Self {
             cell_size_factor: 1.0,
             largest_cell_factor: 1.0,
+            separates_short_waves: false,
             has_echoes_in_closed_form: false,
             shear_factor: None,
             disc: 2.0,
@@ -105,6 +111,9 @@ const LEAST_SAVING: usize = 2;
 
 /// Number of entries from which a matrix counts as larger than the cache.
 const LARGE: usize = 100_000;
+
+/// Rate at which viscoelastic layers have the moduli for short waves, times the contact time on a half-space.
+const WAVES_TIMES_CONTACT: f64 = 15.0;
 
 /// Smallest radius of Mindlin's disc divided by the thickness.
 const LEAST_DISC: f64 = 0.5;
@@ -287,6 +296,9 @@ impl Plate {
         }
         let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
         let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
+        let is_known = points.laminate.is_none() || settings.separates_short_waves;
+        let rate = WAVES_TIMES_CONTACT / scene.impactor.contact_time();
+        let infinite_plate = is_known.then(|| waves::of_points(&points, &description.relaxations(), rate));
         let system = System {
             mass,
             elastic,
@@ -303,7 +315,7 @@ impl Plate {
             patch: None,
             hit_stress: Vec::new(),
             local_stress_per_newton: [0.0; 3],
-            infinite_plate: waves::of_points(&points),
+            infinite_plate,
             exchange,
             factorised,
             translation: even(points.tensor.one(DEFLECTION)),

@@ -2,17 +2,20 @@
 
 use std::f64::consts::PI;
 
-use crate::body::{BendingWaves, EdgeSprings, InfinitePlate, RectangularPlate, VECTORS_PER_MODE};
+use crate::body::{BendingWaves, EdgeSprings, InfinitePlate, ModeCount, RectangularPlate, VECTORS_PER_MODE};
 use crate::contact::zener;
+use crate::description::Description;
 use crate::error::Result;
 use crate::form::Material;
 use crate::form::plate::Section;
+use crate::material::Maxwell;
 use crate::scene::{Load, Measure, Scene, SupportKind, faces};
 
 use super::geometry::PlateGeometry;
-use super::{Local, PlateTheory, Points};
+use super::laminate::LayerwiseWaves;
+use super::{Laminate, Local, PlateTheory, Points, Settings};
 
-/// Ratio of successive wavenumbers at which Mindlin's waves are evaluated.
+/// Ratio of successive wavenumbers at which waves are evaluated.
 const STEP: f64 = 1.05;
 
 /// Largest wavenumber times the radius of the disc. Shorter waves hardly change the mean displacement over the disc.
@@ -21,15 +24,24 @@ const SHORTEST: f64 = 40.0;
 /// Fraction of the largest modal density below which the density is neglected.
 const NEGLECTED_DENSITY: f64 = 1e-4;
 
-/// Response of the infinite plate with the scene's section, as a single layer, to a force at a point.
+/// Response of the infinite plate with the scene's section, as a single layer, to a force at a point. Several layers
+/// have the rigidity of the stack for the waves of the contact.
 ///
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
 pub fn infinite_plate(scene: &Scene, theory: PlateTheory) -> Result<InfinitePlate> {
-    let geometry = super::geometry(scene, theory).map_err(|reason| super::fault(theory, &reason))?;
-    let section = Section::new(geometry.thickness, &scene.body.struck());
+    let fault = |reason: String| super::fault(theory, &reason);
+    let geometry = super::geometry(scene, theory).map_err(fault)?;
+    let section = match theory {
+        PlateTheory::Layerwise => {
+            let parts = Description::new(scene).parts;
+            let laminate = Laminate::without_local(scene, &geometry, &parts, &Settings::default());
+            laminate.map_err(fault)?.section(scene)
+        }
+        _ => Section::new(geometry.thickness, &scene.body.struck()),
+    };
     let rectangle = rectangle(scene, &geometry, &section, theory);
-    Ok(of_section(&geometry, &section, None).with_echoes(rectangle))
+    Ok(of_section(&geometry, &section, &Waves::Thin).with_echoes(rectangle))
 }
 
 /// Number of uncoupled symmetry classes of a scene's plate.
@@ -40,13 +52,15 @@ pub fn classes_of_motions(scene: &Scene, theory: PlateTheory) -> Result<usize> {
     Ok(super::geometry(scene, theory).map_err(|reason| super::fault(theory, &reason))?.classes.len())
 }
 
-/// Response of the infinite plate for a discretised plate. `None` for several layers: if layers slide, the waves are
-/// slower than this model assumes.
-pub(super) fn of_points(points: &Points) -> Option<InfinitePlate> {
-    let is_known = points.laminate.is_none();
-    is_known.then(|| {
-        of_section(&points.geometry, &points.section, points.local.as_ref()).with_echoes(points.rectangle.clone())
-    })
+/// Response of the infinite plate for a discretised plate. The moduli of viscoelastic layers are those at `rate` (1/s).
+pub(super) fn of_points(points: &Points, relaxations: &[(&Maxwell, Vec<usize>)], rate: f64) -> InfinitePlate {
+    let Points { geometry, section, local, laminate, .. } = points;
+    let waves = match (laminate, local) {
+        (Some(laminate), _) => Waves::Layerwise(LayerwiseWaves::new(laminate, geometry, relaxations, rate)),
+        (None, Some(local)) => Waves::Mindlin(section, local),
+        (None, None) => Waves::Thin,
+    };
+    of_section(geometry, section, &waves).with_echoes(points.rectangle.clone())
 }
 
 /// Smallest tolerance for which short waves are computed in closed form. With smaller ones, the waves that corners
@@ -125,37 +139,71 @@ fn bending_waves(section: &Section, shear_factor: f64) -> BendingWaves {
 }
 
 /// Response of the infinite plate for the modelled part of a plate, with all its symmetry classes.
-fn of_section(geometry: &PlateGeometry, section: &Section, local: Option<&Local>) -> InfinitePlate {
+fn of_section(geometry: &PlateGeometry, section: &Section, waves: &Waves) -> InfinitePlate {
     let (edges, multiplicity) = (geometry.edges, geometry.multiplicity());
     let classes = geometry.classes.len() as f64;
     let material = Material { young: section.young, poisson: section.poisson, density: section.density };
     // ξ² = ω √(ρh/D) for long waves.
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = multiplicity * slowness / (4.0 * PI * section.density * section.thickness);
-    let Spectrum { density, fast_wave_compliances } = match local {
-        None => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
-        Some(local) => of_mindlin(section, local, multiplicity, thin),
+    let over_square = classes * edges[0] * edges[1] / (4.0 * PI * multiplicity);
+    let mut modes = ModeCount::of_thin_plate(over_square, slowness);
+    let Spectrum { density, fast_wave_compliances } = match waves {
+        Waves::Thin => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
+        Waves::Mindlin(..) => spectrum(section, waves, multiplicity, Some(thin)),
+        Waves::Layerwise(_) => {
+            modes.dispersion = dispersion(section, waves);
+            spectrum(section, waves, multiplicity, None)
+        }
     };
-    // An area A has A ξ²/4π modes with wavenumbers below ξ.
     InfinitePlate {
         density,
         fast_wave_compliances,
-        modes: classes * edges[0] * edges[1] * slowness / (4.0 * PI * multiplicity),
+        modes,
         impedance: zener::impedance(&material, section.thickness),
-        slowness,
         distance_to_edge: geometry.distance_to_edge(),
         rectangle: None,
         vectors_per_mode: VECTORS_PER_MODE,
     }
 }
 
-/// A wave of Mindlin's plate.
-struct Wave {
+/// A wave of a plate with one wavenumber.
+pub(super) struct Wave {
     /// Circular frequency ω, rad/s.
-    frequency: f64,
+    pub frequency: f64,
     /// r² P², m²/kg: square of the displacement read on the disc for a unit amplitude of w, divided by the moving mass
     /// per unit of area.
-    of_force: f64,
+    pub of_force: f64,
+}
+
+/// Waves of a plate in each theory.
+enum Waves<'a> {
+    /// Bending waves of a thin plate, loaded at a point.
+    Thin,
+    /// Waves of Mindlin's plate.
+    Mindlin(&'a Section, &'a Local),
+    /// Waves of a plate of several layers.
+    Layerwise(LayerwiseWaves<'a>),
+}
+
+impl Waves<'_> {
+    /// The waves of a wavenumber (1/m): the bending wave, and those of higher frequencies.
+    fn at(&self, wavenumber: f64) -> Vec<Wave> {
+        match self {
+            Self::Thin => Vec::new(),
+            Self::Mindlin(section, local) => waves(section, local, wavenumber).into(),
+            Self::Layerwise(waves) => waves.at(wavenumber),
+        }
+    }
+
+    /// Radius of the loaded disc, m.
+    fn radius(&self) -> f64 {
+        match self {
+            Self::Thin => 0.0,
+            Self::Mindlin(_, local) => local.radius,
+            Self::Layerwise(waves) => waves.radius(),
+        }
+    }
 }
 
 /// Bending wave and thickness-shear wave of a wavenumber ξ (1/m).
@@ -183,36 +231,55 @@ struct Spectrum {
     fast_wave_compliances: Vec<(f64, f64)>,
 }
 
-/// Spectrum of a Mindlin plate. The bending waves have the density ν = (1/2π) ξ dξ/dω r² P². The thickness-shear waves,
-/// and the bending waves beyond the last ω, are springs with the compliance (1/2π) r² P²/ω² ξ dξ. `longest` is ν of the
-/// thin plate, s/kg; `multiplicity` is the number of modelled parts in the whole plate.
-fn of_mindlin(section: &Section, local: &Local, multiplicity: f64, longest: f64) -> Spectrum {
-    let first = 0.01 / section.thickness;
-    let mut density = vec![(waves(section, local, first)[0].frequency, longest)];
+/// Spectrum of a plate. The bending waves have the density ν = (1/2π) ξ dξ/dω r² P². The other waves, and the bending
+/// waves beyond the last ω, are springs with the compliance (1/2π) r² P²/ω² ξ dξ. `longest` is ν of the longest waves,
+/// s/kg, if it is known; `multiplicity` is the number of modelled parts in the whole plate.
+fn spectrum(section: &Section, waves: &Waves, multiplicity: f64, longest: Option<f64>) -> Spectrum {
+    let first = first_wavenumber(section);
+    // ν of a bending wave.
+    let density_of = |wavenumber: f64, wave: &Wave| {
+        let ends = [1e-3, -1e-3].map(|part| wavenumber * (1.0 + part));
+        let frequencies = ends.map(|end| waves.at(end)[0].frequency);
+        let slope = (ends[0] - ends[1]) / (frequencies[0] - frequencies[1]);
+        multiplicity * wavenumber * slope * wave.of_force / (2.0 * PI)
+    };
+    let bending = &waves.at(first)[0];
+    let longest = longest.unwrap_or_else(|| density_of(first, bending));
+    let mut density = vec![(bending.frequency, longest)];
     let (mut largest, mut is_complete, mut fast_wave_compliances) = (longest, false, Vec::new());
-    for i in 1.. {
-        let wavenumber = first * STEP.powi(i);
-        if wavenumber * local.radius > SHORTEST {
+    for wavenumber in (1..).map(|i| first * STEP.powi(i)) {
+        if wavenumber * waves.radius() > SHORTEST {
             break;
         }
-        let [bending, shear] = waves(section, local, wavenumber);
+        let all = waves.at(wavenumber);
+        let (bending, faster) = (&all[0], &all[1..]);
         // ξ dξ = ξ² d ln ξ.
         let part = multiplicity * wavenumber * wavenumber * STEP.ln() / (2.0 * PI);
         let spring = |wave: &Wave| (wave.frequency, part * wave.of_force / wave.frequency.powi(2));
-        fast_wave_compliances.push(spring(&shear));
+        fast_wave_compliances.extend(faster.iter().map(spring));
         if is_complete {
-            fast_wave_compliances.push(spring(&bending));
+            fast_wave_compliances.push(spring(bending));
             continue;
         }
-        let ends = [1e-3, -1e-3].map(|part| wavenumber * (1.0 + part));
-        let frequencies = ends.map(|end| waves(section, local, end)[0].frequency);
-        let slope = (ends[0] - ends[1]) / (frequencies[0] - frequencies[1]);
-        let value = multiplicity * wavenumber * slope * bending.of_force / (2.0 * PI);
+        let value = density_of(wavenumber, bending);
         density.push((bending.frequency, value));
         largest = largest.max(value);
-        is_complete = value < NEGLECTED_DENSITY * largest && wavenumber * local.radius > PI;
+        is_complete = value < NEGLECTED_DENSITY * largest && wavenumber * waves.radius() > PI;
     }
     Spectrum { density, fast_wave_compliances }
+}
+
+/// Pairs of ω (rad/s) and ξ² (1/m²) of bending waves, from the longest to the shortest that the disc excites.
+fn dispersion(section: &Section, waves: &Waves) -> Vec<(f64, f64)> {
+    let wavenumbers = (0..).map(|i| first_wavenumber(section) * STEP.powi(i));
+    let excited = wavenumbers.take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
+    let of_waves = excited.map(|wavenumber| (waves.at(wavenumber)[0].frequency, wavenumber * wavenumber));
+    std::iter::once((0.0, 0.0)).chain(of_waves).collect()
+}
+
+/// Wavenumber (1/m) of the longest waves that are evaluated.
+fn first_wavenumber(section: &Section) -> f64 {
+    0.01 / section.thickness
 }
 
 #[cfg(test)]

@@ -18,10 +18,12 @@ pub const TESTS: &[Test<Session>] = tests![
     loads_leave_the_force_its_vectors,
     loads_alone_move_a_reduced_body,
     short_waves_act_as_those_of_a_basis,
+    short_waves_of_laminates_act_as_those_of_a_basis,
     echoes_in_closed_form_act_as_those_of_a_basis,
     growing_bases_are_judged_in_steps_that_show_their_modes,
 ];
-pub const LONG: &[Test<Session>] = tests![the_estimate_is_the_error_on_more_plates];
+pub const LONG: &[Test<Session>] =
+    tests![the_estimate_is_the_error_on_more_plates, short_waves_of_relaxing_laminates_act_as_those_of_a_basis];
 
 /// The paper's plates with coarse quadratic hexahedra. Both runs use Newmark's method with the same time step, so the
 /// basis is the only difference. Time steps and mesh need not be fine for this.
@@ -172,6 +174,42 @@ fn short_waves_act_as_those_of_a_basis(session: &Session) {
     let estimates = apart.error + all.error;
     println!("  {:?} vectors, {error:.1e} off {:?}; estimates {estimates:.1e}", apart.vectors, all.vectors);
     assert!(error <= estimates && estimates < 1e-3, "{error:e} {estimates:e}");
+}
+
+/// The same on a wide laminate, whose short waves have the dispersion of its layers. The force on the shorter basis
+/// equals that on a basis of all waves, within the estimated errors of both.
+fn short_waves_of_laminates_act_as_those_of_a_basis(session: &Session) {
+    let interlayer = "young = 300e6\npoisson = 0.495";
+    check_short_waves_of_laminates(session, "[0.6, 0.4]", interlayer, ("mass = 0.5\nradius = 0.04", 200));
+}
+
+/// The same with an interlayer that relaxes during the contact.
+fn short_waves_of_relaxing_laminates_act_as_those_of_a_basis(session: &Session) {
+    let interlayer =
+        "bulk = 2e9\nshear = 5e6\nprony = [{ modulus = 7e6, time = 1e-5 }, { modulus = 4e6, time = 1e-4 }]";
+    check_short_waves_of_laminates(session, "[0.5, 0.4]", interlayer, ("mass = 0.2\nradius = 0.02", 450));
+}
+
+/// Compares a basis of long waves with a given number of vectors for all waves.
+fn check_short_waves_of_laminates(session: &Session, size: &str, interlayer: &str, (impactor, vectors): (&str, usize)) {
+    let layer = |(material, h): (&str, f64)| format!("[[body.layer]]\nmaterial = \"{material}\"\nthickness = {h}\n");
+    let layers = [("glass", 0.005), ("soft", 0.00152), ("glass", 0.005)].map(layer).concat();
+    let [apart, all] = [String::new(), format!("reduction = {vectors}")].map(|basis| {
+        let text = format!(
+            "[body]\nmodel = \"layerwise\"\nsize = {size}\n{basis}\n{layers}\
+             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+             [material.soft]\ndensity = 1100.0\n{interlayer}\n\
+             [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [0.0, 0.0, 5e8]\n\
+             [impactor]\nyoung = 210e9\npoisson = 0.3\n{impactor}\nspeed = 4.0\n\
+             [time]\nend = 4e-4\nstep = 2e-6\n[accuracy]\ntolerance = 1e-2\n"
+        );
+        run(&session.world(), &text)
+    });
+    assert!(apart.vectors < all.vectors, "the first one is to leave waves out: {:?}", apart.vectors);
+    let (error, _) = all.difference(&apart);
+    let estimates = apart.error + all.error;
+    println!("  {:?} vectors, {error:.1e} off {:?}; estimates {estimates:.1e}", apart.vectors, all.vectors);
+    assert!(error <= estimates && estimates < 1.6e-2, "{error:e} {estimates:e}");
 }
 
 /// The echoes of a pane's short waves, from edges that are on springs and simply supported, are computed in closed form. The force on a third

@@ -1,6 +1,9 @@
 //! Layers of a plate with different materials: their model in the layerwise theory, and their local contact model.
 
 mod local;
+mod waves;
+
+pub use waves::LayerwiseWaves;
 
 use std::f64::consts::TAU;
 

@@ -1,0 +1,99 @@
+//! Straight-crested waves of an infinite layerwise plate.
+//!
+//! A wave w exp(iξx), θ_k exp(iξx) with θ_k = iψ_k along x has the amplitudes y = (w, ψ_1, …), and satisfies K(ξ) y =
+//! ω² M(ξ) y. Both matrices are the symbols of the forms that the finite plate is assembled from: a derivative along x
+//! is a factor iξ. Rotations along the other axis, and derivatives along it, are zero.
+
+use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+
+use super::Laminate;
+use crate::form::layerwise::{ROTATIONS, is_rotation};
+use crate::form::plate::DEFLECTION;
+use crate::form::tensor::{Part, Square};
+use crate::material::Maxwell;
+use crate::space::plate::geometry::PlateGeometry;
+use crate::space::plate::waves::Wave;
+
+/// Waves of a laminate.
+pub struct LayerwiseWaves<'a> {
+    laminate: &'a Laminate,
+    /// Forms of twice the elastic and twice the kinetic energy.
+    forms: [Vec<Square<2>>; 2],
+    /// Terms of the displacement that is loaded and read, with their factors.
+    reading: Vec<(f64, Part<2>)>,
+}
+
+impl<'a> LayerwiseWaves<'a> {
+    /// Waves of a laminate whose viscoelastic layers have their moduli at a rate (1/s). `relaxations` holds the numbers
+    /// of these layers, counted from below, with their Prony series.
+    pub fn new(
+        laminate: &'a Laminate,
+        geometry: &PlateGeometry,
+        relaxations: &[(&Maxwell, Vec<usize>)],
+        rate: f64,
+    ) -> Self {
+        let mut elastic = laminate.elastic();
+        for (chain, layers) in relaxations {
+            let modulus = chain.transformed_terms(rate);
+            let unit = laminate.distortion(geometry, layers).into_iter();
+            elastic.extend(unit.map(|form| Square { factor: modulus * form.factor, ..form }));
+        }
+        let mut reading = vec![(1.0, Part { field: DEFLECTION, derivatives: [0, 0] })];
+        reading.extend(laminate.moments());
+        Self { laminate, forms: [elastic, laminate.inertia()], reading }
+    }
+
+    /// Radius of the loaded disc, m.
+    pub fn radius(&self) -> f64 {
+        self.laminate.radius
+    }
+
+    /// The waves of a wavenumber ξ (1/m), by ascending frequency.
+    pub fn at(&self, wavenumber: f64) -> Vec<Wave> {
+        let [elastic, mass] = self.forms.each_ref().map(|forms| self.symbol(forms, wavenumber));
+        let Some(factor) = mass.cholesky() else { return Vec::new() };
+        // With M = L Lᵀ and y = L⁻ᵀ x: L⁻¹ K L⁻ᵀ x = ω² x.
+        let lower = factor.l();
+        let half = lower.solve_lower_triangular(&elastic).unwrap_or(elastic);
+        let both = lower.solve_lower_triangular(&half.transpose()).unwrap_or(half);
+        let eigen = SymmetricEigen::new(both);
+        let read = self.row(self.reading.iter().copied(), wavenumber).map(|value| value.re);
+        let read = lower.solve_lower_triangular(&read).unwrap_or(read);
+        let spread = self.laminate.spread.transform(wavenumber * self.laminate.radius);
+        let wave = |(square, shape): (&f64, nalgebra::DVectorView<f64>)| Wave {
+            frequency: square.max(0.0).sqrt(),
+            of_force: (spread * read.dot(&shape)).powi(2),
+        };
+        let mut waves: Vec<Wave> = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).map(wave).collect();
+        waves.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        waves
+    }
+
+    /// Matrix of a quadratic form on the amplitudes of a wave.
+    fn symbol(&self, forms: &[Square<2>], wavenumber: f64) -> DMatrix<f64> {
+        let size = 1 + self.laminate.profile.len();
+        let mut symbol = DMatrix::zeros(size, size);
+        for form in forms {
+            let row = self.row(form.parts.iter().map(|part| (1.0, *part)), wavenumber);
+            symbol += (&row * row.adjoint()).map(|entry| entry.re) * form.factor;
+        }
+        symbol
+    }
+
+    /// Linear form on the amplitudes of a wave.
+    fn row(&self, parts: impl Iterator<Item = (f64, Part<2>)>, wavenumber: f64) -> DVector<Complex<f64>> {
+        let mut row = DVector::zeros(1 + self.laminate.profile.len());
+        for (factor, Part { field, derivatives }) in parts {
+            let along = Complex::new(0.0, wavenumber).powi(derivatives[0] as i32) * factor;
+            if derivatives[1] > 0 {
+                continue;
+            }
+            if field == DEFLECTION {
+                row[0] += along;
+            } else if is_rotation(field, 0) {
+                row[1 + (field - ROTATIONS) / 2] += along * Complex::i();
+            }
+        }
+        row
+    }
+}
