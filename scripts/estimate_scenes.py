@@ -22,6 +22,8 @@ class Scene:
     speed: float
     point: tuple
     material: str
+    # The face on which the tension is compared.
+    tension_face: str = "lower"
 
     def text(self, end):
         """As TOML."""

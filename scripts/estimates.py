@@ -27,13 +27,13 @@ COMPARED = 0.99
 class Result:
     """One run: its histories up to the end of the first contact, and what the program says of their errors."""
 
-    def __init__(self, path):
+    def __init__(self, path, face="lower"):
         with h5py.File(path) as file:
             ends, is_open = file["contacts/end"][:], bool(file["contacts"].attrs["open_at_end"])
             self.first_end = np.inf if len(ends) == 0 or (is_open and len(ends) == 1) else float(ends[0])
             self.time = file["series/time"][:]
             self.acceleration = file["series/impactor/acceleration"][:]
-            self.tension = file["series/stress/lower/largest"][:]
+            self.tension = file[f"series/stress/{face}/largest"][:]
             facts = file.attrs
             self.estimates = {"acceleration": float(facts["error_estimate"]), "tension": float(facts["stress_error_estimate"])}
             self.theory, self.seconds = facts["model"], float(facts["wall_time_total"])
