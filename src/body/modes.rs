@@ -7,7 +7,7 @@ use super::eigen::{semidefinite_factor_times, symmetric_eigen};
 use super::modal_relaxation::ModalRelaxation;
 use super::relaxing_classes::relaxing;
 use super::relaxing_directions::amplitudes;
-use super::relaxing_modes::{Relaxing, at_rest_beyond};
+use super::relaxing_modes::{Forces, Relaxing, at_rest_beyond};
 use super::row_blocks::RowBlocks;
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
@@ -308,8 +308,19 @@ impl Spectrum {
         // Short waves contribute to the motion of the impact point only. All other results are read without the
         // weights.
         let reach = self.short_waves.as_ref().map_or(&self.force, |waves| &waves.force);
-        if let Some(ShortWaves { weights, .. }) = &self.short_waves {
-            shapes.moving.column_iter_mut().zip(&moving).for_each(|(mut shape, &i)| shape.unscale_mut(weights[i]));
+        match &self.short_waves {
+            // Coupled modes are displaced by each other too, so that their displacements have no common factor. The
+            // share 1 − g of the force displaces them as springs.
+            Some(ShortWaves { weights, are_coupled: true, .. }) => {
+                for &i in &moving {
+                    let share = (1.0 - weights[i] * weights[i]) * reach[i] / self.squares[i];
+                    shapes.residual.axpy(share, &self.vectors.column(i), 1.0);
+                }
+            }
+            Some(ShortWaves { weights, .. }) => {
+                shapes.moving.column_iter_mut().zip(&moving).for_each(|(mut shape, &i)| shape.unscale_mut(weights[i]));
+            }
+            None => {}
         }
         let (mut rest, mut rest_energy) = (0.0, 0.0);
         let mut at_rest = DVector::zeros(loads.len());
@@ -349,7 +360,14 @@ impl Spectrum {
         let (mut modes, mut damped, inputs) = match &self.damping {
             damping if !relaxations.is_empty() => {
                 let damping = damping.as_ref().map(block);
-                let Relaxing { damped, forms } = relaxing(&squares, damping.as_ref(), &relaxations, [&force, &load])?;
+                // Coupled modes have the weight g on their input alone.
+                let weights = self.short_waves.as_ref().map(|waves| of_moving(&waves.weights));
+                let [input, output] = match &weights {
+                    Some(weights) => [force.component_mul(weights), force.component_div(weights)],
+                    None => [force.clone(), force.clone()],
+                };
+                let forces = Forces { input: &input, load: &load, output: &output };
+                let Relaxing { damped, forms } = relaxing(&squares, damping.as_ref(), &relaxations, forces)?;
                 of_relaxing = Some(forms);
                 (damped.modes, Some(damped.shapes), Some(damped.inputs))
             }

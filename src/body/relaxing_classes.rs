@@ -7,7 +7,7 @@ use super::BlockMatrix;
 use super::damped::Damped;
 use super::eigen::coupled;
 use super::modal_relaxation::ModalRelaxation;
-use super::relaxing_modes::{Relaxing, RelaxingForms, of_class};
+use super::relaxing_modes::{Forces, Relaxing, RelaxingForms, of_class};
 use crate::error::Result;
 
 /// Same as [`of_class`] for all modes. The classes follow from the coupling by dampers and relaxation. Four classes of
@@ -19,19 +19,21 @@ pub fn relaxing(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
     relaxations: &[ModalRelaxation],
-    [force, load]: [&DVector<f64>; 2],
+    forces: Forces,
 ) -> Result<Relaxing> {
     let none = DMatrix::zeros(squares.len(), squares.len());
     let coupling = damping.into_iter().chain(relaxations.iter().map(|part| &part.distortion));
     let classes = coupled(&coupling.fold(none, |sum, matrix| sum + matrix.abs()));
     if classes.len() == 1 {
-        return of_class(squares, damping, relaxations, [force, load]);
+        return of_class(squares, damping, relaxations, forces);
     }
     let part = |class: &Vec<usize>| {
         let rows = |v: &DVector<f64>| v.select_rows(class);
         let damping = damping.map(|damping| damping.select_rows(class).select_columns(class));
         let relaxations: Vec<_> = relaxations.iter().filter_map(|part| part.of_class(class)).collect();
-        of_class(&rows(squares), damping.as_ref(), &relaxations, [&rows(force), &rows(load)])
+        let [input, load, output] = [forces.input, forces.load, forces.output].map(rows);
+        let forces = Forces { input: &input, load: &load, output: &output };
+        of_class(&rows(squares), damping.as_ref(), &relaxations, forces)
     };
     let parts = classes.iter().map(part).collect::<Result<Vec<_>>>()?;
     Ok(joined(&classes, parts, squares.len()))
@@ -94,7 +96,7 @@ mod tests {
         let damping = DMatrix::from_fn(5, 5, |i, j| if i == j { 0.1 } else { 1e-3 * same(i, j) });
         let everywhere = damping.map(|entry: f64| if entry == 0.0 { 1e-17 } else { entry });
         let of = |damping: Option<&DMatrix<f64>>| {
-            relaxing(&squares, damping, std::slice::from_ref(&part), [&force, &load]).unwrap()
+            relaxing(&squares, damping, std::slice::from_ref(&part), Forces::reciprocal(&force, &load)).unwrap()
         };
         // The response at a rate is a sum over the coordinates, in any order.
         let answer = |of: &Relaxing, rate: f64| {

@@ -55,6 +55,26 @@ impl ElasticBlock {
     }
 }
 
+/// Modal components of forces, and of the displacement at the impact point.
+#[derive(Debug, Clone, Copy)]
+pub struct Forces<'a> {
+    /// Components of the contact force.
+    pub input: &'a DVector<f64>,
+    /// Components of the loads.
+    pub load: &'a DVector<f64>,
+    /// Displacement of the impact point for unit amplitudes. It is equal to `input`, unless short waves are treated
+    /// separately.
+    pub output: &'a DVector<f64>,
+}
+
+impl<'a> Forces<'a> {
+    /// Forces on a body that has the same components as output.
+    #[cfg(test)]
+    pub fn reciprocal(input: &'a DVector<f64>, load: &'a DVector<f64>) -> Self {
+        Self { input, load, output: input }
+    }
+}
+
 /// Modal form of a viscoelastic body.
 pub struct Relaxing {
     /// Coordinates, with the matrices of x and v.
@@ -133,8 +153,7 @@ fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
     springs
 }
 
-/// Computes the coordinates of modes with the given ω², dampers and viscoelastic parts. `force` and `load` are the
-/// modal components of the contact force vector and of the loads.
+/// Computes the coordinates of modes with the given ω², dampers and viscoelastic parts.
 ///
 /// # Errors
 /// [`Error::Solve`] if the body has no independent coordinates.
@@ -142,17 +161,17 @@ pub fn of_class(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
     relaxations: &[ModalRelaxation],
-    [force, load]: [&DVector<f64>; 2],
+    forces: Forces,
 ) -> Result<Relaxing> {
     if let (None, [part]) = (damping, relaxations)
         && part.is_quicker_by_pairs()
         && let elastic = relaxed(squares, relaxations)
         && let Some(pairs) = Rational::new(part, &elastic).pairs(squares)
     {
-        return Ok(of_pairs(&pairs, elastic, &springs(relaxations), [force, load]));
+        return Ok(of_pairs(&pairs, elastic, &springs(relaxations), forces));
     }
     let parts: Vec<_> = relaxations.iter().flat_map(ModalRelaxation::parts).collect();
-    of_first_order(squares, damping, (relaxed(squares, &parts), &springs(&parts)), [force, load])
+    of_first_order(squares, damping, (relaxed(squares, &parts), &springs(&parts)), forces)
 }
 
 impl<'a> Rational<'a> {
@@ -165,7 +184,7 @@ impl<'a> Rational<'a> {
 }
 
 /// Returns coordinates z with x = Re Σ φ z, summed over all pairs.
-fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], [force, load]: [&DVector<f64>; 2]) -> Relaxing {
+fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], forces: Forces) -> Relaxing {
     let n = elastic.nrows();
     let shapes = |factor: &dyn Fn(&Pair) -> Complex<f64>| {
         DMatrix::from_fn(n, pairs.len(), |i, c| pairs[c].shape[i] * factor(&pairs[c]) * pairs[c].count())
@@ -180,7 +199,7 @@ fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], [force, l
         rows.for_each(|(entry, spring)| *entry *= pair.rate / (pair.rate + spring.rate));
     }
     let rates: Vec<_> = pairs.iter().map(|pair| pair.rate).collect();
-    let damped = coordinates(&rates, [places, speeds], inputs, [force, load]);
+    let damped = coordinates(&rates, [places, speeds], inputs, forces);
     let stretches = BlockMatrix::whole(stretches);
     Relaxing { damped, forms: RelaxingForms { elastic: vec![ElasticBlock::whole(elastic)], stretches } }
 }
@@ -190,10 +209,11 @@ fn coordinates(
     rates: &[Complex<f64>],
     shapes: [DMatrix<Complex<f64>>; 2],
     inputs: DMatrix<Complex<f64>>,
-    forces: [&DVector<f64>; 2],
+    forces: Forces,
 ) -> Damped {
-    let [input, load] = forces.map(|v| &inputs * v.map(|entry| Complex::new(entry, 0.0)));
-    let outputs = shapes[0].tr_mul(&forces[0].map(|entry| Complex::new(entry, 0.0)));
+    let complex = |v: &DVector<f64>| v.map(|entry| Complex::new(entry, 0.0));
+    let [input, load] = [forces.input, forces.load].map(|v| &inputs * complex(v));
+    let outputs = shapes[0].tr_mul(&complex(forces.output));
     let mode =
         |(c, rate): (usize, &Complex<f64>)| Mode { rate: *rate, input: input[c], load: load[c], output: outputs[c] };
     let modes = rates.iter().enumerate().map(mode).collect();
@@ -205,7 +225,7 @@ fn of_first_order(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
     (elastic, springs): (DMatrix<f64>, &[Spring]),
-    forces: [&DVector<f64>; 2],
+    forces: Forces,
 ) -> Result<Relaxing> {
     let n = squares.len();
     let of_damping = |i: usize| damping.map_or(0.0, |damping| damping[(i, i)]);
@@ -310,7 +330,7 @@ mod tests {
         for damping in [0.0, 0.4] {
             let Sample { squares, damping, relaxations, force, load } = sample(damping);
             let Relaxing { damped, forms } =
-                relaxing(&squares, damping.as_ref(), &relaxations, [&force, &load]).unwrap();
+                relaxing(&squares, damping.as_ref(), &relaxations, Forces::reciprocal(&force, &load)).unwrap();
             let [places, speeds] = &damped.shapes;
             let rates: Vec<f64> = springs(&relaxations).iter().map(|spring| spring.rate).collect();
             let power = |time: f64| {
@@ -341,7 +361,8 @@ mod tests {
     fn coordinates_have_the_transform_of_the_chain() {
         for damping in [0.0, 0.4] {
             let Sample { squares, damping, relaxations, force, load } = sample(damping);
-            let Relaxing { damped, .. } = relaxing(&squares, damping.as_ref(), &relaxations, [&force, &load]).unwrap();
+            let Relaxing { damped, .. } =
+                relaxing(&squares, damping.as_ref(), &relaxations, Forces::reciprocal(&force, &load)).unwrap();
             for s in [1e-3, 0.1, 3.0, 40.0, 1e4] {
                 let mut operator = relaxed(&squares, &relaxations) + DMatrix::identity(4, 4) * (s * s);
                 for part in &relaxations {
@@ -368,7 +389,8 @@ mod tests {
         let factor = semidefinite_factor(&part.distortion).transpose();
         let counts = vec![2, 3, 1];
         part.directions = Some(Directions { factor: factor.clone(), counts: counts.clone() });
-        let Relaxing { damped, forms } = relaxing(&squares, None, &part.parts(), [&force, &load]).unwrap();
+        let Relaxing { damped, forms } =
+            relaxing(&squares, None, &part.parts(), Forces::reciprocal(&force, &load)).unwrap();
         assert_eq!(forms.stretches.rows(), 6);
         for s in [1e-3, 0.1, 3.0, 40.0] {
             let mut operator = DMatrix::from_diagonal(&squares) + DMatrix::identity(4, 4) * (s * s);
@@ -405,8 +427,8 @@ mod tests {
             let pairs = Rational::new(&part, &elastic).pairs(&squares).expect("all pairs");
             // Four vibrations, and three directions for each of three terms.
             assert_eq!(pairs.len(), 4 + 9, "{scale}");
-            let one = of_pairs(&pairs, elastic.clone(), &springs, [&force, &load]);
-            let other = of_first_order(&squares, None, (elastic, &springs), [&force, &load]).unwrap();
+            let one = of_pairs(&pairs, elastic.clone(), &springs, Forces::reciprocal(&force, &load));
+            let other = of_first_order(&squares, None, (elastic, &springs), Forces::reciprocal(&force, &load)).unwrap();
             for time in [0.01, 0.3, 2.0, 20.0] {
                 let [(x, v, e), (y, w, f)] = [&one, &other].map(|Relaxing { damped, forms }| {
                     let z = pushed(&damped.modes, time);

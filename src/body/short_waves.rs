@@ -21,6 +21,8 @@ pub struct ShortWaves {
     pub static_compliance: f64,
     /// Weights √g of the modes.
     pub weights: DVector<f64>,
+    /// Whether modes that do not act on the impact point are kept because relaxation couples them with the others.
+    pub are_coupled: bool,
     /// Number of lowest modes that act on the impact point.
     pub acting: usize,
     /// Number of lowest modes that are kept, with those that are only read.
@@ -37,12 +39,16 @@ impl ShortWaves {
         let cutoff = plate.cutoff(projection.vectors());
         let weights = squares.map(|square| weight(square.max(0.0).sqrt(), cutoff));
         let acting = weights.iter().filter(|weight| **weight > 0.0).count();
-        // Without modes in closed form, the modes below ω_c contain the vibrations that tensions need.
-        let (kept, least) = if plate.rectangle.is_some() { (weights.len(), READ_ONLY) } else { (acting, 0.0) };
+        // Without modes in closed form, the modes below ω_c contain the vibrations that tensions need. But relaxation
+        // changes their shapes, for which the modes above are needed.
+        let are_coupled = projection.relaxations.iter().any(|part| !part.chain.terms.is_empty());
+        let keeps_all = plate.rectangle.is_some() || are_coupled;
+        let (kept, least) = if keeps_all { (weights.len(), READ_ONLY) } else { (acting, 0.0) };
         Some(Self {
             coordinates: plate.waves_above(cutoff),
             static_compliance: plate.static_compliance(cutoff),
             weights: weights.map(|weight| weight.max(least).sqrt()),
+            are_coupled,
             acting,
             kept,
             force: force.clone(),

@@ -230,13 +230,15 @@ impl ErrorEstimate {
     }
 
     /// Names of the causes to be mended if the total is above the tolerance: those whose error is at least a fifth of the
-    /// largest one, or, if the theory's error alone is above the tolerance, those that are so too. Finer cells do not
-    /// help against a theory.
+    /// largest one, or, if the theory's error alone is above the tolerance, those that are so too and no less than half
+    /// of it. Finer cells do not help against a theory.
     pub fn causes_to_mend(&self, measure: Measure, tolerance: f64) -> Vec<&'static str> {
         let is_above = |errors: &Errors| errors.of(measure) > tolerance;
         match self.of(Cause::Theory) {
-            Some(errors) if is_above(&errors) => {
-                self.parts.iter().filter(|(_, errors)| is_above(errors)).map(|(cause, _)| cause.name()).collect()
+            Some(of_theory) if is_above(&of_theory) => {
+                let least = 0.5 * of_theory.of(measure);
+                let is_large = |errors: &Errors| is_above(errors) && errors.of(measure) >= least;
+                self.parts.iter().filter(|(_, errors)| is_large(errors)).map(|(cause, _)| cause.name()).collect()
             }
             _ => self.main_causes(measure),
         }

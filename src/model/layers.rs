@@ -107,7 +107,7 @@ pub(super) fn layered(
         passed.push(judged);
     }
     let (whole, coarser) = match thick {
-        Thick::Whole(thick) => (Some(thick).filter(|_| left.tolerance == tolerance), None),
+        Thick::Whole(thick) => (Some(thick).filter(|_| left.tolerance >= tolerance), None),
         Thick::Coarser { operators, reduced } => (None, Some(Coarser { operators, vectors: reduced.counts() })),
     };
     let model = if elastic_cells::serves(scene, Theory::Layerwise) {

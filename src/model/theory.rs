@@ -7,11 +7,12 @@ use crate::contact::zener;
 use crate::error::Result;
 use crate::impact::settle;
 use crate::mesh::{Measures, Mesh};
-use crate::scene::{Contact, Fault, Geometry, Initial, Model, Scene};
+use crate::scene::{Contact, Fault, Geometry, Initial, Load, Model, Scene};
 use crate::space::evaluate::{Evaluator, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
+use super::elastic_cells::keeps_much;
 use super::long_waves::LongWaves;
 use super::reduce::MAX_VECTORS_PER_CLASS;
 use super::watch::{Stage, Watch};
@@ -238,6 +239,10 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
         settings.disc_radius = Some(disc);
     }
     if matches!(theory, PlateTheory::Mindlin | PlateTheory::Layerwise) {
+        // A basis with all waves needs cells for all of them.
+        if theory == PlateTheory::Layerwise && !may_leave_short_waves(scene) {
+            return Ok(settings);
+        }
         let plate = plate::infinite_plate(scene, theory)?;
         let most = MAX_VECTORS_PER_CLASS * plate::classes_of_motions(scene, theory)?;
         let planned = |plate: &InfinitePlate| LongWaves::of(scene, plate, most);
@@ -250,6 +255,13 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
         }
     }
     Ok(settings)
+}
+
+/// Whether a laminate's basis may leave out short waves: not if its layers relax strongly, or if loads excite waves too.
+fn may_leave_short_waves(scene: &Scene) -> bool {
+    let is_loaded =
+        scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
+    keeps_much(scene) && !(is_loaded && scene.time.initial == Initial::Rest)
 }
 
 /// The numbers of cells that [`build`] would give a body on a grid, as [`Operators::cells`]; `None` for other theories

@@ -51,14 +51,12 @@ impl<'a> LayerwiseWaves<'a> {
     /// The waves of a wavenumber ξ (1/m), by ascending frequency.
     pub fn at(&self, wavenumber: f64) -> Vec<Wave> {
         let [elastic, mass] = self.forms.each_ref().map(|forms| self.symbol(forms, wavenumber));
-        let Some(factor) = mass.cholesky() else { return Vec::new() };
         // With M = L Lᵀ and y = L⁻ᵀ x: L⁻¹ K L⁻ᵀ x = ω² x.
-        let lower = factor.l();
-        let half = lower.solve_lower_triangular(&elastic).unwrap_or(elastic);
-        let both = lower.solve_lower_triangular(&half.transpose()).unwrap_or(half);
-        let eigen = SymmetricEigen::new(both);
+        let lower = mass.cholesky().expect("all layers have mass").l();
+        let reduced = |rows: &DMatrix<f64>| lower.solve_lower_triangular(rows).expect("a factor has no zeros");
+        let eigen = SymmetricEigen::new(reduced(&reduced(&elastic).transpose()));
         let read = self.row(self.reading.iter().copied(), wavenumber).map(|value| value.re);
-        let read = lower.solve_lower_triangular(&read).unwrap_or(read);
+        let read = lower.solve_lower_triangular(&read).expect("a factor has no zeros");
         let spread = self.laminate.spread.transform(wavenumber * self.laminate.radius);
         let wave = |(square, shape): (&f64, nalgebra::DVectorView<f64>)| Wave {
             frequency: square.max(0.0).sqrt(),
