@@ -223,7 +223,10 @@ pub fn lines(
     if extremes.faces.len() > 2 {
         let faces: Vec<String> =
             extremes.faces.iter().map(|of| format!("{} {}", of.face, short(1e-6 * of.value))).collect();
-        lines.push(format!("largest tension on each face, MPa: {}", faces.join(", ")));
+        lines.push(format!(
+            "largest tension on each face, MPa (only the largest of them has an estimated error): {}",
+            faces.join(", ")
+        ));
     }
     for ProbeExtremes { name, displacement, velocity, tension } in &extremes.probes {
         lines.push(format!(
