@@ -49,14 +49,14 @@ def run(program, folder, scene, model, end, tolerance):
     return Result(result, scene.tension_face)
 
 
-def row(program, out, number, scene, model, reference):
-    """One pane in a theory: errors against a run at the tolerance `reference`, estimates and times."""
+def row(program, out, number, scene, model, reference_tolerance):
+    """One pane in a theory: errors against a run at another tolerance, estimates and times."""
     folder, end = out / str(number), 5e-4
     folder.mkdir(parents=True, exist_ok=True)
     while not np.isfinite(first := run(program, folder, scene, model, end, TOLERANCE).first_end):
         end *= 2
     end = float(f"{0.99 * first:.4e}")
-    own, reference = (run(program, folder, scene, model, end, tolerance) for tolerance in (TOLERANCE, reference))
+    own, reference = (run(program, folder, scene, model, end, tolerance) for tolerance in (TOLERANCE, reference_tolerance))
     errors = own.errors(reference)
     pairs = [(errors[quantity], own.estimates[quantity]) for quantity in ("acceleration", "tension")]
     ratio = [estimate / error for error, estimate in pairs]

@@ -11,12 +11,12 @@ from markers import replace, table
 from panes import HEAD, row
 
 REFERENCE = 2.5e-3
-# Multiples of a prime that is no base: the digits to large bases change too.
+# Multiples of 31, which is none of the bases, so that consecutive draws also differ in large bases.
 NUMBERS = range(31, 280, 31)
 # Springs of a soft gasket, or none.
 EDGES = (5e8, "free")
 INTERLAYERS = {
-    # As in scenes/laminate.toml, at 20 degrees.
+    # As in scenes/laminate.toml, at 20 °C.
     "PVB": """bulk = 2e9
 shear = 3.02196e6
 prony = [
@@ -62,7 +62,7 @@ class Laminate(Scene):
 
 
 def drawn(number):
-    """A laminate by Halton's sequence, hit by a ball of steel of 1% to 20% of its mass; one in three off its middle."""
+    """A laminate by Halton's sequence, hit by a ball of steel of 1% to 20% of the mass of the glass; every third is hit off its centre."""
 
     def between(base, low, high):
         return float(f"{low * (high / low) ** halton(number, base):.2g}")
@@ -74,8 +74,8 @@ def drawn(number):
     size = (edge, float(f"{edge * one_of(17, (1.0, 1.3, 0.7)):.2g}"))
     point = tuple(float(f"{part * side:.2g}") for part, side in zip(one_of(19, ((0.0, 0.0), (0.2, 0.1), (0.0, 0.0))), size))
     layers = (ply, one_of(7, (0.00076, 0.00152)), one_of(23, (ply, ply, 1.5 * ply)))
-    weight = 2500 * size[0] * size[1] * (layers[0] + layers[2])
-    mass = float(f"{weight * 0.01 * 20 ** halton(number, 5):.2g}")
+    glass_mass = 2500 * size[0] * size[1] * (layers[0] + layers[2])
+    mass = float(f"{glass_mass * 0.01 * 20 ** halton(number, 5):.2g}")
     radius = float(f"{(3 * mass / (4 * np.pi * 7800)) ** (1 / 3):.2g}")
     return Laminate(size, one_of(13, EDGES), mass, radius, between(11, 2, 6), point, one_of(29, tuple(INTERLAYERS)), layers=layers)
 

@@ -4,7 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::real_parts::real_parts;
 
-/// A complex matrix that is zero outside some blocks. The blocks have no rows in common, and no columns either.
+/// A complex matrix that is zero outside some blocks. No two blocks share a row or a column.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BlockMatrix {
     rows: usize,
@@ -15,9 +15,9 @@ pub(crate) struct BlockMatrix {
 /// Entries of a [`BlockMatrix`] in some of its rows and columns.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Block {
-    /// Numbers of the rows.
+    /// Row indices in the whole matrix.
     pub rows: Vec<usize>,
-    /// Numbers of the columns.
+    /// Column indices in the whole matrix.
     pub columns: Vec<usize>,
     /// Entries in these rows and columns.
     pub entries: DMatrix<Complex<f64>>,
@@ -51,7 +51,7 @@ impl BlockMatrix {
         })
     }
 
-    /// Returns the matrix with columns of zeros added up to a number of columns.
+    /// Returns the matrix, extended by zero columns to a number of columns.
     pub fn with_columns(self, columns: usize) -> Self {
         Self { columns, ..self }
     }

@@ -86,7 +86,7 @@ pub struct InfinitePlate {
     pub vectors_per_mode: f64,
 }
 
-/// Number of bending modes of a plate up to a frequency, as its area gives it: an area A has A ξ²/4π modes with
+/// Number of bending modes of a plate up to a frequency, estimated from its area A (Weyl's law): A ξ²/4π modes have
 /// wavenumbers below ξ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeCount {
@@ -119,7 +119,7 @@ impl ModeCount {
     }
 }
 
-/// Interpolates linearly between pairs, which `of` turns into arguments and values, and beyond them.
+/// Interpolates linearly between pairs and extrapolates beyond them; `of` returns argument and value of a pair.
 fn linear(pairs: &[(f64, f64)], at: f64, of: impl Fn(&(f64, f64)) -> (f64, f64)) -> f64 {
     let after = pairs.partition_point(|pair| of(pair).0 < at).clamp(1, pairs.len() - 1);
     let [(a, from), (b, to)] = [&pairs[after - 1], &pairs[after]].map(of);
@@ -134,7 +134,8 @@ impl InfinitePlate {
         Self { rectangle, vectors_per_mode, ..self }
     }
 
-    /// Returns the plate for a basis with a number of shifts, of which the first contributes the vibrations.
+    /// Returns the plate for a basis with a number of shifts. Only the vectors at the first shift count as resolving
+    /// modes.
     pub fn with_shifts(self, shifts: usize) -> Self {
         Self { vectors_per_mode: vectors_over_one_shift(shifts) * self.vectors_per_mode, ..self }
     }

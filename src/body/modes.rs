@@ -309,12 +309,12 @@ impl Spectrum {
         // weights.
         let reach = self.short_waves.as_ref().map_or(&self.force, |waves| &waves.force);
         match &self.short_waves {
-            // Coupled modes are displaced by each other too, so that their displacements have no common factor. The
-            // share 1 − g of the force displaces them as springs.
+            // Coupled modes also displace each other, so that no factor on a shape would remove a weight. Their static
+            // response to the share 1 − g of the force is added instead.
             Some(ShortWaves { weights, are_coupled: true, .. }) => {
                 for &i in &moving {
-                    let share = (1.0 - weights[i] * weights[i]) * reach[i] / self.squares[i];
-                    shapes.residual.axpy(share, &self.vectors.column(i), 1.0);
+                    let amplitude = (1.0 - weights[i] * weights[i]) * reach[i] / self.squares[i];
+                    shapes.residual.axpy(amplitude, &self.vectors.column(i), 1.0);
                 }
             }
             Some(ShortWaves { weights, .. }) => {

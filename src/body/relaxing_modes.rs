@@ -68,7 +68,7 @@ pub struct Forces<'a> {
 }
 
 impl<'a> Forces<'a> {
-    /// Forces on a body that has the same components as output.
+    /// Components for a reciprocal body: the output is equal to the input.
     #[cfg(test)]
     pub fn reciprocal(input: &'a DVector<f64>, load: &'a DVector<f64>) -> Self {
         Self { input, load, output: input }

@@ -116,7 +116,7 @@ pub fn rates(chains: &[&Maxwell], shift: f64, end: f64) -> Vec<f64> {
     rates
 }
 
-/// Returns the number of vectors at a number of shifts over those of them at the first shift.
+/// Returns the ratio of all basis vectors to those made at the first shift, for a number of shifts.
 pub fn vectors_over_one_shift(shifts: usize) -> f64 {
     if shifts > 1 { (VECTORS_AT_FIRST + 1) as f64 / VECTORS_AT_FIRST as f64 } else { 1.0 }
 }

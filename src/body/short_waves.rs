@@ -5,10 +5,11 @@ use nalgebra::{Complex, DVector};
 use super::infinite_plate::weight;
 use super::{Mode, Projection};
 
-/// Weight g of the vibrations that only stresses and displacements are read from. They do not move the impact point.
+/// Weight g of the vibrations that only stresses and displacements are read from. The contact force does not move them
+/// as modes; those that relaxation couples with others (`are_coupled`) are moved by these.
 const READ_ONLY: f64 = 1e-12;
 
-/// Damping ratio of these vibrations. They are sparser than the modes of the plate at their frequencies, and would beat
+/// Damping ratio of these vibrations, if they are not coupled. They are sparser than the modes of the plate at their frequencies, and would beat
 /// and repeat the impact. Measured on a pane: with 0.05 to 0.14, the tension under the impactor has an error of 2% of
 /// its peak during the rise of the force; without these vibrations 5%, and without damping 4%, and 2.5% later.
 const DAMPING_RATIO: f64 = 0.1;
@@ -21,7 +22,8 @@ pub struct ShortWaves {
     pub static_compliance: f64,
     /// Weights √g of the modes.
     pub weights: DVector<f64>,
-    /// Whether modes that do not act on the impact point are kept because relaxation couples them with the others.
+    /// Whether relaxation couples the modes. All modes are then kept. The force on each has the weight g, and
+    /// displacements are read without weights.
     pub are_coupled: bool,
     /// Number of lowest modes that act on the impact point.
     pub acting: usize,

@@ -224,7 +224,7 @@ pub fn lines(
         let faces: Vec<String> =
             extremes.faces.iter().map(|of| format!("{} {}", of.face, short(1e-6 * of.value))).collect();
         lines.push(format!(
-            "largest tension on each face, MPa (only the largest of them has an estimated error): {}",
+            "largest tension on each face, MPa (the error is estimated for the largest value only): {}",
             faces.join(", ")
         ));
     }

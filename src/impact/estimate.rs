@@ -230,8 +230,8 @@ impl ErrorEstimate {
     }
 
     /// Names of the causes to be mended if the total is above the tolerance: those whose error is at least a fifth of the
-    /// largest one, or, if the theory's error alone is above the tolerance, those that are so too and no less than half
-    /// of it. Finer cells do not help against a theory.
+    /// largest one, or, if the theory's error alone is above the tolerance, those whose error is above the tolerance and
+    /// at least half of the theory's. Finer cells do not help against a theory.
     pub fn causes_to_mend(&self, measure: Measure, tolerance: f64) -> Vec<&'static str> {
         let is_above = |errors: &Errors| errors.of(measure) > tolerance;
         match self.of(Cause::Theory) {

@@ -53,7 +53,8 @@ pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
         && !Description::new(scene).relaxations().is_empty()
 }
 
-/// Whether no layer relaxes strongly after the contact has begun.
+/// Whether each layer keeps at least half ([`LEFT_AT_END`]) of its modulus from half the contact time to the end of the
+/// run.
 pub(super) fn keeps_much(scene: &Scene) -> bool {
     let Parts::Layers(layers) = &scene.body.composition.parts else { return true };
     let [at_first, at_last] = [time(scene), scene.time.end];

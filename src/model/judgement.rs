@@ -11,15 +11,15 @@ use super::reduce::BASIS_SHARE;
 use super::trials::{Trial, Trials};
 use super::watch::{Judged, Watch};
 
-/// The same share if short waves are treated separately. It is larger by [`LONG_WAVES_MARGIN`], so that this factor
-/// does not enlarge the basis.
+/// Share of the tolerance for the basis if short waves are treated separately. It is [`BASIS_SHARE`] times [`LONG_WAVES_MARGIN`],
+/// so that this factor does not enlarge the basis.
 const BASIS_SHARE_OF_LONG_WAVES: f64 = LONG_WAVES_MARGIN * BASIS_SHARE;
 
-/// Factor on the error of such a basis, as extrapolated from the difference to a smaller basis by the order of
-/// convergence. Measured on twenty free panes: 0.4 to 1.5. An estimate.
+/// Safety factor on the error of a basis without short waves, which is extrapolated from the difference to a smaller
+/// basis by the order of convergence. The error over this extrapolation was 0.4 to 1.5 on twenty free panes.
 const LONG_WAVES_MARGIN: f64 = 1.55;
 
-/// Error of such a basis that the difference does not show, over the tolerance. On three free panes whose contact ends
+/// Error of a basis without short waves that the difference does not show, over the tolerance. On three free panes whose contact ends
 /// before the first echo, the errors were at most 0.1 of a tolerance of 1e-2, and up to twice what the difference shows.
 const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 
@@ -27,7 +27,8 @@ const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 /// the other lacks.
 const OTHER_CONTACTS: f64 = 0.3;
 
-/// Number of vectors of a closer basis that then estimates the error of the whole history, relative to the basis.
+/// Number of vectors of the second basis for comparison, over that of the basis, if the histories have different
+/// contacts.
 const HISTORY_BASIS_FRACTION: f64 = 0.875;
 
 /// Settings of the error estimate of a basis.
@@ -39,7 +40,7 @@ pub(super) struct Rule<'a> {
     pub(super) vectors: usize,
     pub(super) smaller: usize,
     pub(super) factors: ErrorFactors,
-    /// The infinite plate of the short waves that the bases leave out.
+    /// Infinite plate that replaces the short waves; `None` if the bases have all waves.
     pub(super) plate: Option<&'a InfinitePlate>,
 }
 
@@ -103,8 +104,8 @@ impl Rule<'_> {
         Judgement { difference, rule, error, is_met: over <= 1.0, takes_smaller, judged }
     }
 
-    /// Factor from the difference of two bases to the error of the larger one, if short waves are treated separately:
-    /// the error falls with the frequency up to which a basis has modes.
+    /// Factor from the difference of two bases to the error of the larger one, if short waves are treated separately.
+    /// The error is proportional to ω_c to the power −[`ORDER`].
     fn of_larger(&self, smaller: usize) -> f64 {
         let growth = match self.plate {
             Some(plate) => plate.cutoff(self.vectors) / plate.cutoff(smaller),

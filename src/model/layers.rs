@@ -28,9 +28,9 @@ use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
 
-/// Tolerance for cells and basis over the error of the theory, if this error exceeds the tolerance and the theory is
-/// used nevertheless. Smaller errors of cells and basis would hardly lower the sum of all errors.
-const REST_OVER_THEORY: f64 = 0.5;
+/// Tolerance for cells, basis and time steps, divided by the theory's error, if that error exceeds the scene's tolerance
+/// and no better theory is available. Smaller errors of the other parts would hardly lower the sum of all errors.
+const TOLERANCE_OVER_THEORY_ERROR: f64 = 0.5;
 
 /// The elastic layerwise plate. Its difference from the plate of [`build_thin`] gives the error of the theory.
 enum Thick {
@@ -91,7 +91,7 @@ pub(super) fn layered(
         let splines = if scene.is_reduced() { spline::admits(scene) } else { Err("it is not reduced".to_owned()) };
         match splines {
             Err(reason) if over * tolerance <= LARGEST_ERROR_INSTEAD_OF_MESH => {
-                left.tolerance = tolerance.max(REST_OVER_THEORY * over * tolerance);
+                left.tolerance = tolerance.max(TOLERANCE_OVER_THEORY_ERROR * over * tolerance);
                 passed.push(format!(
                     "{judged}, above {share:.1e}, the theory's share of the tolerance, but used: splines cannot model its solid ({reason}), and a mesh has no stresses on faces between layers"
                 ));

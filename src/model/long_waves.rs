@@ -13,7 +13,7 @@ use super::BASIS_SHARE;
 const FREQUENCY_TIMES_RISE: f64 = 0.385;
 const MEASURED: f64 = 5e-3;
 
-/// Order of convergence in the number of vectors.
+/// Order of convergence in ω_c.
 pub(super) const ORDER: f64 = 2.4;
 
 /// Ratio of the frequency that a basis must resolve without echoes to ω_c of a basis with echoes in closed form.

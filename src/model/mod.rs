@@ -56,7 +56,7 @@ pub struct Model {
     pub vectors: Option<usize>,
     /// The body reduced to another basis, for estimating the error of impacts that differ from the scene's.
     pub judge: Option<JudgeBasis>,
-    /// Tolerance of the time steps: the scene's, or a larger one beside a larger error of the theory.
+    /// Tolerance of the time steps: the scene's, or half of the theory's error if that is larger.
     pub tolerance: f64,
     /// Contact forces of the scene's impact that are known already, in time steps that its error control tries.
     pub known: Vec<KnownForce>,

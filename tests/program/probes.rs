@@ -113,9 +113,10 @@ fn a_pane_without_its_short_waves_has_probes() {
     assert!(long.1 != all.1 && off < 7e-3, "{off:e}");
 }
 
-/// The stress on the rear face of a relaxing laminate, after the peak of the force, with a basis of long waves and with
-/// one of all waves. Relaxation couples modes that act on the impact point with others that do not. (With the weights of
-/// short waves on the displacements of coupled modes, the stress was 8% off.)
+/// After the peak of the force, the stress on the rear face of a relaxing laminate is the same with a basis of long waves
+/// and with one of all waves, within 2.5% of its largest value. Relaxation couples modes that act on the impact point
+/// with others that do not. (When the displacements of coupled modes were read with the weights of the force, the stress
+/// was 8% off.)
 fn a_laminate_without_its_short_waves_relaxes_as_with_them() {
     let layer = |(material, h): (&str, f64)| format!("[[body.layer]]\nmaterial = \"{material}\"\nthickness = {h}\n");
     let layers = [("glass", 0.004), ("soft", 0.00076), ("glass", 0.004)].map(layer).concat();
@@ -142,7 +143,7 @@ fn a_laminate_without_its_short_waves_relaxes_as_with_them() {
     let largest = all.0.iter().fold(0.0_f64, |most, (_, stress)| most.max(*stress));
     let worst = off.iter().fold(0.0_f64, |most, off| most.max(*off)) / largest;
     println!("{} and {}: {worst:.1e} at {} times", long.1, all.1, off.len());
-    // 1.1e-2 was measured over 0.8 ms, half of it by the other basis.
+    // 9.8e-3 was measured. With 300 vectors in the place of 220, the other basis changes by 6e-3.
     assert!(long.1 != all.1 && off.len() > 100 && worst < 2.5e-2, "{worst:e}");
 }
 

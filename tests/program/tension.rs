@@ -37,7 +37,7 @@ fn each_face_of_a_laminate_is_told() {
     let said = good(&folder, 0, "run scene.toml -o out.h5");
     assert!(
         said.stdout.contains(
-            "\nlargest tension on each face, MPa (only the largest of them has an estimated error): 1-upper "
+            "\nlargest tension on each face, MPa (the error is estimated for the largest value only): 1-upper "
         ),
         "{said:?}"
     );

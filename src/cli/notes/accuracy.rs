@@ -141,7 +141,7 @@ fn remedy(part: &str, scene: &Scene) -> &'static str {
         "patch" => "finer cells at the impact point",
         "theory" if scene.body.model != Theory::Solid && spline::admits(scene).is_ok() => "body.model = \"solid\"",
         "theory" if scene.body.model != Theory::Solid && scene.body.composition.uniform().is_none() => {
-            "body.model = \"solid\" on a fine mesh by body.cells, whose error is not estimated and which has no stresses between layers"
+            "body.model = \"solid\" on a fine mesh by body.cells (its error is not estimated, and it has no stresses between layers)"
         }
         "theory" if scene.body.model != Theory::Solid => {
             "body.model = \"solid\" on a fine mesh by body.cells, whose error is not estimated"

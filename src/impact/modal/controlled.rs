@@ -96,7 +96,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             coarse = fine;
         }
         Err(Error::Solve(format!(
-            "steps below {largest:.1e} s do not bring the error under accuracy.tolerance = {:e}",
+            "the error of the time steps stays above {:.1e}, their share of the tolerance, even with steps of {largest:.1e} s",
             self.tolerance
         )))
     }

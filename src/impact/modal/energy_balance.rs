@@ -23,7 +23,7 @@ pub struct Exchanged {
     of_contact: f64,
 }
 
-/// Values at t = 0 to which the balance refers, J, for the modelled part.
+/// Values at t = 0 to which the balance refers, J, for the modelled part; set by the first step.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct EnergyBalance {
     initial: Option<f64>,
@@ -32,14 +32,14 @@ pub struct EnergyBalance {
 }
 
 /// Energies stored in a vibrating body at some moments, J, for the modelled part.
-pub struct Bent {
+pub struct StrainEnergies {
     /// Energy of the body with its supports.
     whole: Vec<f64>,
-    /// Energy of the supports, without their own displacements.
+    /// Energy of the supports as if they were at rest.
     support: Vec<f64>,
 }
 
-impl Bent {
+impl StrainEnergies {
     /// The energies at the moments of these vibrations, with their modal coordinates.
     pub fn new(forms: &Forms, vibrations: &Vibrations, states: &[&[Complex<f64>]]) -> Self {
         let places = &vibrations.places;
@@ -86,7 +86,7 @@ impl Exchanged {
 
 impl EnergyBalance {
     /// Returns the energies of the whole body at a moment with the displacements x and velocities v of its vibrations.
-    /// `bent` are the energies of [`Bent::at`].
+    /// `bent` are the energies of [`StrainEnergies::at`].
     pub fn energy(
         &mut self,
         (modes, parameters): (&Modes, &ImpactParameters),

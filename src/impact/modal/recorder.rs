@@ -12,7 +12,7 @@ use crate::impact::observer::Observed;
 use crate::impact::reading::{Reading, Readout};
 use crate::impact::step::{Contact, Energy, Motion as ImpactorMotion, Step};
 
-use super::energy_balance::{Bent, EnergyBalance, Exchanged};
+use super::energy_balance::{EnergyBalance, Exchanged, StrainEnergies};
 use super::motion::{Motion, Taken};
 use super::reading::{FacesOfSteps, Reader};
 use super::step_response::State;
@@ -24,7 +24,8 @@ const AT_ONCE: usize = 128;
 pub struct Recorder<'a> {
     modes: &'a Modes,
     parameters: &'a ImpactParameters,
-    /// Energies exchanged so far, and the balance at the last complete step; `None` if energies are not computed.
+    /// Energies exchanged so far, and the values at t = 0 to which the balance refers; `None` if energies are not
+    /// computed.
     energies: Option<(Exchanged, EnergyBalance)>,
     reader: Option<Reader<'a>>,
     /// Steps that are not complete yet.
@@ -44,9 +45,10 @@ pub struct Moment {
     pub rise: f64,
     /// Potential of the contact, J.
     pub potential: f64,
-    /// Energy of springs that unilateral foundations do not have where the body has lifted off, J.
+    /// Energy of foundation springs where the body has lifted off, J: the modes contain it, the foundation does not
+    /// have it.
     pub absent: f64,
-    /// Energies exchanged since t = 0.
+    /// Energies exchanged since t = 0, J, for the modelled part.
     exchanged: Exchanged,
 }
 
@@ -150,7 +152,7 @@ impl<'a> Recorder<'a> {
         let vibrations = (reads || self.energies.is_some()).then(|| Vibrations::new(self.modes, &moments));
         let bent = self.energies.as_ref().zip(vibrations.as_ref()).map(|(_, vibrations)| {
             let states: Vec<_> = moments.iter().map(|moment| &moment.state.modes[..]).collect();
-            Bent::new(&self.modes.forms, vibrations, &states)
+            StrainEnergies::new(&self.modes.forms, vibrations, &states)
         });
         for (k, mut moment) in moments.into_iter().enumerate() {
             let column = |of: fn(&Vibrations) -> &DMatrix<f64>| -> DVector<f64> {

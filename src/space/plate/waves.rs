@@ -24,8 +24,8 @@ const SHORTEST: f64 = 40.0;
 /// Fraction of the largest modal density below which the density is neglected.
 const NEGLECTED_DENSITY: f64 = 1e-4;
 
-/// Response of the infinite plate with the scene's section, as a single layer, to a force at a point. Several layers
-/// have the rigidity of the stack for the waves of the contact.
+/// First estimate of the infinite plate's response to a force at a point, by thin-plate theory. A laminate is replaced
+/// by a single layer of its mass, and of its rigidity at the wavelength of the contact.
 ///
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
@@ -41,7 +41,7 @@ pub fn infinite_plate(scene: &Scene, theory: PlateTheory) -> Result<InfinitePlat
         _ => Section::new(geometry.thickness, &scene.body.struck()),
     };
     let rectangle = rectangle(scene, &geometry, &section, theory);
-    Ok(of_section(&geometry, &section, &Waves::Thin).with_echoes(rectangle))
+    Ok(of_section(&geometry, &section, &PlateWaves::Thin).with_echoes(rectangle))
 }
 
 /// Number of uncoupled symmetry classes of a scene's plate.
@@ -56,9 +56,9 @@ pub fn classes_of_motions(scene: &Scene, theory: PlateTheory) -> Result<usize> {
 pub(super) fn of_points(points: &Points, relaxations: &[(&Maxwell, Vec<usize>)], rate: f64) -> InfinitePlate {
     let Points { geometry, section, local, laminate, .. } = points;
     let waves = match (laminate, local) {
-        (Some(laminate), _) => Waves::Layerwise(LayerwiseWaves::new(laminate, geometry, relaxations, rate)),
-        (None, Some(local)) => Waves::Mindlin(section, local),
-        (None, None) => Waves::Thin,
+        (Some(laminate), _) => PlateWaves::Layerwise(LayerwiseWaves::new(laminate, geometry, relaxations, rate)),
+        (None, Some(local)) => PlateWaves::Mindlin(section, local),
+        (None, None) => PlateWaves::Thin,
     };
     of_section(geometry, section, &waves).with_echoes(points.rectangle.clone())
 }
@@ -139,7 +139,7 @@ fn bending_waves(section: &Section, shear_factor: f64) -> BendingWaves {
 }
 
 /// Response of the infinite plate for the modelled part of a plate, with all its symmetry classes.
-fn of_section(geometry: &PlateGeometry, section: &Section, waves: &Waves) -> InfinitePlate {
+fn of_section(geometry: &PlateGeometry, section: &Section, waves: &PlateWaves) -> InfinitePlate {
     let (edges, multiplicity) = (geometry.edges, geometry.multiplicity());
     let classes = geometry.classes.len() as f64;
     let material = Material { young: section.young, poisson: section.poisson, density: section.density };
@@ -149,9 +149,9 @@ fn of_section(geometry: &PlateGeometry, section: &Section, waves: &Waves) -> Inf
     let over_square = classes * edges[0] * edges[1] / (4.0 * PI * multiplicity);
     let mut modes = ModeCount::of_thin_plate(over_square, slowness);
     let Spectrum { density, fast_wave_compliances } = match waves {
-        Waves::Thin => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
-        Waves::Mindlin(..) => spectrum(section, waves, multiplicity, Some(thin)),
-        Waves::Layerwise(_) => {
+        PlateWaves::Thin => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
+        PlateWaves::Mindlin(..) => spectrum(section, waves, multiplicity, Some(thin)),
+        PlateWaves::Layerwise(_) => {
             modes.dispersion = dispersion(section, waves);
             spectrum(section, waves, multiplicity, None)
         }
@@ -177,7 +177,7 @@ pub(super) struct Wave {
 }
 
 /// Waves of a plate in each theory.
-enum Waves<'a> {
+enum PlateWaves<'a> {
     /// Bending waves of a thin plate, loaded at a point.
     Thin,
     /// Waves of Mindlin's plate.
@@ -186,12 +186,13 @@ enum Waves<'a> {
     Layerwise(LayerwiseWaves<'a>),
 }
 
-impl Waves<'_> {
-    /// The waves of a wavenumber (1/m): the bending wave, and those of higher frequencies.
+impl PlateWaves<'_> {
+    /// The waves of a wavenumber (1/m): the bending wave, and those of higher frequencies. None for a thin plate, whose
+    /// density of modes is known in closed form.
     fn at(&self, wavenumber: f64) -> Vec<Wave> {
         match self {
             Self::Thin => Vec::new(),
-            Self::Mindlin(section, local) => waves(section, local, wavenumber).into(),
+            Self::Mindlin(section, local) => mindlin_waves(section, local, wavenumber).into(),
             Self::Layerwise(waves) => waves.at(wavenumber),
         }
     }
@@ -210,7 +211,7 @@ impl Waves<'_> {
 ///
 /// For w and θ = ∇ψ of a wave: M = diag(ρh, ρh³ξ²/12) and K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ². The displacement read
 /// is w − s h² ξ² ψ.
-fn waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
+fn mindlin_waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
     let waves = bending_waves(section, local.shear_factor);
     let square = wavenumber * wavenumber;
     let spread = local.spread.transform(wavenumber * local.radius);
@@ -234,7 +235,7 @@ struct Spectrum {
 /// Spectrum of a plate. The bending waves have the density ν = (1/2π) ξ dξ/dω r² P². The other waves, and the bending
 /// waves beyond the last ω, are springs with the compliance (1/2π) r² P²/ω² ξ dξ. `longest` is ν of the longest waves,
 /// s/kg, if it is known; `multiplicity` is the number of modelled parts in the whole plate.
-fn spectrum(section: &Section, waves: &Waves, multiplicity: f64, longest: Option<f64>) -> Spectrum {
+fn spectrum(section: &Section, waves: &PlateWaves, multiplicity: f64, longest: Option<f64>) -> Spectrum {
     let first = first_wavenumber(section);
     // ν of a bending wave.
     let density_of = |wavenumber: f64, wave: &Wave| {
@@ -270,7 +271,7 @@ fn spectrum(section: &Section, waves: &Waves, multiplicity: f64, longest: Option
 }
 
 /// Pairs of ω (rad/s) and ξ² (1/m²) of bending waves, from the longest to the shortest that the disc excites.
-fn dispersion(section: &Section, waves: &Waves) -> Vec<(f64, f64)> {
+fn dispersion(section: &Section, waves: &PlateWaves) -> Vec<(f64, f64)> {
     let wavenumbers = (0..).map(|i| first_wavenumber(section) * STEP.powi(i));
     let excited = wavenumbers.take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
     let of_waves = excited.map(|wavenumber| (waves.at(wavenumber)[0].frequency, wavenumber * wavenumber));

@@ -157,8 +157,8 @@ fn loads_alone_move_a_reduced_body(session: &Session) {
     }
 }
 
-/// A loaded plate that is hit in steps which do not resolve most of its modes: those respond to the contact as springs,
-/// although the loads excite them, and no energy is created. (With all modes in motion, a contact in long steps gained 44%
+/// The impactor hits a loaded plate. The steps do not resolve most modes. These respond to the contact as springs, and no
+/// energy is created. (With all modes in motion, a contact in long steps gained 44%
 /// of the initial energy.)
 fn a_loaded_body_is_stable_in_long_steps(session: &Session) {
     let rest = "[load]\nbody_force = [0.0, 0.0, -24525.0]\n\
@@ -206,7 +206,7 @@ fn short_waves_of_relaxing_laminates_act_as_those_of_a_basis(session: &Session) 
     check_short_waves_of_laminates(session, "[0.5, 0.4]", interlayer, ("mass = 0.2\nradius = 0.02", 450));
 }
 
-/// Compares a basis of long waves with a given number of vectors for all waves.
+/// Compares the automatic basis, without short waves, with a basis of `vectors` vectors that contains them.
 fn check_short_waves_of_laminates(session: &Session, size: &str, interlayer: &str, (impactor, vectors): (&str, usize)) {
     let layer = |(material, h): (&str, f64)| format!("[[body.layer]]\nmaterial = \"{material}\"\nthickness = {h}\n");
     let layers = [("glass", 0.005), ("soft", 0.00152), ("glass", 0.005)].map(layer).concat();
