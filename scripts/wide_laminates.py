@@ -10,7 +10,7 @@ from estimate_scenes import MATERIALS, Scene, halton
 from markers import replace, table
 from panes import HEAD, row
 
-REFERENCE = 2.5e-3
+REFERENCE = 3e-3
 # Multiples of 31, which is none of the bases, so that consecutive draws also differ in large bases.
 NUMBERS = range(31, 280, 31)
 # Springs of a soft gasket, or none.
@@ -62,7 +62,7 @@ class Laminate(Scene):
 
 
 def drawn(number):
-    """A laminate by Halton's sequence, hit by a ball of steel of 1% to 20% of the mass of the glass; every third is hit off its centre."""
+    """A laminate by Halton's sequence, hit by a ball of steel of 1% to 8% of the mass of the glass; every third is hit off its centre."""
 
     def between(base, low, high):
         return float(f"{low * (high / low) ** halton(number, base):.2g}")
@@ -70,12 +70,12 @@ def drawn(number):
     def one_of(base, of):
         return of[int(halton(number, base) * len(of))]
 
-    edge, ply = between(3, 0.4, 0.65), between(2, 0.003, 0.006)
+    edge, ply = between(3, 0.35, 0.5), between(2, 0.003, 0.006)
     size = (edge, float(f"{edge * one_of(17, (1.0, 1.3, 0.7)):.2g}"))
     point = tuple(float(f"{part * side:.2g}") for part, side in zip(one_of(19, ((0.0, 0.0), (0.2, 0.1), (0.0, 0.0))), size))
     layers = (ply, one_of(7, (0.00076, 0.00152)), one_of(23, (ply, ply, 1.5 * ply)))
     glass_mass = 2500 * size[0] * size[1] * (layers[0] + layers[2])
-    mass = float(f"{glass_mass * 0.01 * 20 ** halton(number, 5):.2g}")
+    mass = float(f"{glass_mass * 0.01 * 8 ** halton(number, 5):.2g}")
     radius = float(f"{(3 * mass / (4 * np.pi * 7800)) ** (1 / 3):.2g}")
     return Laminate(size, one_of(13, EDGES), mass, radius, between(11, 2, 6), point, one_of(29, tuple(INTERLAYERS)), layers=layers)
 
