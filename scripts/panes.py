@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from estimate_scenes import Scene, halton
+from estimate_scenes import Draw, Scene, halton
 from estimates import Result, percent
 from markers import replace, table
 
@@ -21,22 +21,16 @@ EDGES = ("free", 1e8, 1e10, "held", "clamped")
 
 def drawn(number):
     """A pane by Halton's sequence: 80 to 200 thicknesses, hit by a small fast ball; one in three off its middle."""
-
-    def between(base, low, high):
-        return float(f"{low * (high / low) ** halton(number, base):.2g}")
-
-    def one_of(base, of):
-        return of[int(halton(number, base) * len(of))]
-
-    edge = between(3, 0.4, 1.2)
+    draw = Draw(number)
+    edge = draw.between(3, 0.4, 1.2)
     thickness = float(f"{edge / (80 * (200 / 80) ** halton(number, 2)):.2g}")
-    size = (edge, float(f"{edge * one_of(17, (1.0, 1.4, 0.7)):.2g}"), thickness)
-    point = tuple(float(f"{part * side:.2g}") for part, side in zip(one_of(19, ((0.0, 0.0), (0.0, 0.0), (0.2, 0.1))), size))
+    size = (edge, float(f"{edge * draw.one_of(17, (1.0, 1.4, 0.7)):.2g}"), thickness)
+    point = tuple(float(f"{part * side:.2g}") for part, side in zip(draw.one_of(19, ((0.0, 0.0), (0.0, 0.0), (0.2, 0.1))), size))
     weight = 2500 * size[0] * size[1] * thickness
     # A ball of steel of a mass between 0.5% and 20% of the pane's.
     mass = float(f"{weight * 0.005 * 40 ** halton(number, 5):.2g}")
     radius = float(f"{(3 * mass / (4 * np.pi * 7800)) ** (1 / 3):.2g}")
-    return Scene(size, one_of(13, EDGES), mass, radius, between(11, 1, 6), point, "glass")
+    return Scene(size, draw.one_of(13, EDGES), mass, radius, draw.between(11, 1, 6), point, "glass")
 
 
 def run(program, folder, scene, model, end, tolerance):

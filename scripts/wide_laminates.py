@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from estimate_scenes import MATERIALS, Scene, halton
+from estimate_scenes import MATERIALS, Draw, Scene, halton
 from markers import replace, table
 from panes import HEAD, row
 
@@ -63,21 +63,15 @@ class Laminate(Scene):
 
 def drawn(number):
     """A laminate by Halton's sequence, hit by a ball of steel of 1% to 8% of the mass of the glass; every third is hit off its centre."""
-
-    def between(base, low, high):
-        return float(f"{low * (high / low) ** halton(number, base):.2g}")
-
-    def one_of(base, of):
-        return of[int(halton(number, base) * len(of))]
-
-    edge, ply = between(3, 0.35, 0.5), between(2, 0.003, 0.006)
-    size = (edge, float(f"{edge * one_of(17, (1.0, 1.3, 0.7)):.2g}"))
-    point = tuple(float(f"{part * side:.2g}") for part, side in zip(one_of(19, ((0.0, 0.0), (0.2, 0.1), (0.0, 0.0))), size))
-    layers = (ply, one_of(7, (0.00076, 0.00152)), one_of(23, (ply, ply, 1.5 * ply)))
+    draw = Draw(number)
+    edge, ply = draw.between(3, 0.35, 0.5), draw.between(2, 0.003, 0.006)
+    size = (edge, float(f"{edge * draw.one_of(17, (1.0, 1.3, 0.7)):.2g}"))
+    point = tuple(float(f"{part * side:.2g}") for part, side in zip(draw.one_of(19, ((0.0, 0.0), (0.2, 0.1), (0.0, 0.0))), size))
+    layers = (ply, draw.one_of(7, (0.00076, 0.00152)), draw.one_of(23, (ply, ply, 1.5 * ply)))
     glass_mass = 2500 * size[0] * size[1] * (layers[0] + layers[2])
     mass = float(f"{glass_mass * 0.01 * 8 ** halton(number, 5):.2g}")
     radius = float(f"{(3 * mass / (4 * np.pi * 7800)) ** (1 / 3):.2g}")
-    return Laminate(size, one_of(13, EDGES), mass, radius, between(11, 2, 6), point, one_of(29, tuple(INTERLAYERS)), layers=layers)
+    return Laminate(size, draw.one_of(13, EDGES), mass, radius, draw.between(11, 2, 6), point, draw.one_of(29, tuple(INTERLAYERS)), layers=layers)
 
 
 def main():
