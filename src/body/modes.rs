@@ -2,12 +2,11 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::damped::{Damped, damped};
+use super::coupled_classes::coupled_modes;
+use super::coupled_modes::{CoupledModes, Forces, at_rest_beyond};
 use super::eigen::{semidefinite_factor_times, symmetric_eigen};
 use super::modal_relaxation::ModalRelaxation;
-use super::relaxing_classes::relaxing;
 use super::relaxing_directions::amplitudes;
-use super::relaxing_modes::{Forces, Relaxing, at_rest_beyond};
 use super::row_blocks::RowBlocks;
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
@@ -308,20 +307,6 @@ impl Spectrum {
         // Short waves contribute to the motion of the impact point only. All other results are read without the
         // weights.
         let reach = self.short_waves.as_ref().map_or(&self.force, |waves| &waves.force);
-        match &self.short_waves {
-            // Coupled modes also displace each other, so that no factor on a shape would remove a weight. Their static
-            // response to the share 1 − g of the force is added instead.
-            Some(ShortWaves { weights, are_coupled: true, .. }) => {
-                for &i in &moving {
-                    let amplitude = (1.0 - weights[i] * weights[i]) * reach[i] / self.squares[i];
-                    shapes.residual.axpy(amplitude, &self.vectors.column(i), 1.0);
-                }
-            }
-            Some(ShortWaves { weights, .. }) => {
-                shapes.moving.column_iter_mut().zip(&moving).for_each(|(mut shape, &i)| shape.unscale_mut(weights[i]));
-            }
-            None => {}
-        }
         let (mut rest, mut rest_energy) = (0.0, 0.0);
         let mut at_rest = DVector::zeros(loads.len());
         for (i, e) in self.vectors.column_iter().enumerate().skip(count) {
@@ -357,31 +342,34 @@ impl Spectrum {
                 relaxations.into_iter().filter_map(|part| part.in_few_directions(&amplitudes, end, accuracy)).collect();
         }
         let mut of_relaxing = None;
-        let (mut modes, mut damped, inputs) = match &self.damping {
-            damping if !relaxations.is_empty() => {
-                let damping = damping.as_ref().map(block);
-                // Coupled modes have the weight g on their input alone.
-                let weights = self.short_waves.as_ref().map(|waves| of_moving(&waves.weights));
-                let [input, output] = match &weights {
-                    Some(weights) => [force.component_mul(weights), force.component_div(weights)],
-                    None => [force.clone(), force.clone()],
-                };
-                let forces = Forces { input: &input, load: &load, output: &output };
-                let Relaxing { damped, forms } = relaxing(&squares, damping.as_ref(), &relaxations, forces)?;
-                of_relaxing = Some(forms);
-                (damped.modes, Some(damped.shapes), Some(damped.inputs))
-            }
-            None => {
-                let mut modes = vibrations(&squares, &force, &load);
-                if let Some(waves) = &self.short_waves {
-                    waves.damp(&mut modes, &moving);
+        let is_coupled = self.damping.is_some() || !relaxations.is_empty();
+        let (mut modes, mut damped, inputs) = if is_coupled {
+            let damping = self.damping.as_ref().map(block);
+            // Coupled modes displace each other, so that no factor on a shape would remove a weight √g. They have the
+            // weight g on their input alone. Their static response to the share 1 − g of the force is added to the
+            // shapes.
+            let mut input = force.clone();
+            if let Some(ShortWaves { weights, .. }) = &self.short_waves {
+                input.component_mul_assign(&of_moving(weights));
+                for &i in &moving {
+                    let amplitude = (1.0 - weights[i] * weights[i]) * reach[i] / self.squares[i];
+                    shapes.residual.axpy(amplitude, &self.vectors.column(i), 1.0);
                 }
-                (modes, None, None)
             }
-            Some(damping) => {
-                let Damped { modes, shapes, inputs } = damped(&squares, &block(damping), &force, &load)?;
-                (modes, Some(shapes), Some(inputs))
+            let output = of_moving(reach);
+            let forces = Forces { input: &input, load: &load, output: &output };
+            let CoupledModes { modes, shapes, inputs, forms } =
+                coupled_modes(&squares, damping.as_ref(), &relaxations, forces)?;
+            of_relaxing = (!relaxations.is_empty()).then_some(forms);
+            (modes, Some(shapes), Some(inputs))
+        } else {
+            let mut modes = vibrations(&squares, &force, &load);
+            if let Some(waves) = &self.short_waves {
+                let of_moving = shapes.moving.column_iter_mut().zip(&moving);
+                of_moving.for_each(|(mut shape, &i)| shape.unscale_mut(waves.weights[i]));
+                waves.damp(&mut modes, &moving);
             }
+            (modes, None, None)
         };
         if let Some(ShortWaves { coordinates, .. }) = &self.short_waves {
             modes.extend(coordinates);

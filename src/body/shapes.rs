@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::BlockMatrix;
-use super::relaxing_modes::RelaxingForms;
+use super::coupled_modes::RelaxingForms;
 use super::row_blocks::RowBlocks;
 
 /// Basis coordinates y of a body from its modal coordinates: x of the vibrations, ∫∫F of the free motions, and F,

@@ -5,13 +5,14 @@ use nalgebra::{Complex, DVector};
 use super::infinite_plate::weight;
 use super::{Mode, Projection};
 
-/// Weight g of the vibrations that only stresses and displacements are read from. The contact force does not move them
-/// as modes; those that relaxation couples with others (`are_coupled`) are moved by these.
+/// Weight g of the vibrations that only stresses and displacements are read from. The contact force does not move them,
+/// but dampers and relaxation couple them with others.
 const READ_ONLY: f64 = 1e-12;
 
-/// Damping ratio of these vibrations, if they are not coupled. They are sparser than the modes of the plate at their frequencies, and would beat
-/// and repeat the impact. Measured on a pane: with 0.05 to 0.14, the tension under the impactor has an error of 2% of
-/// its peak during the rise of the force; without these vibrations 5%, and without damping 4%, and 2.5% later.
+/// Damping ratio of these vibrations, if they are not coupled. They are sparser than the modes of the plate at their
+/// frequencies, and would beat and repeat the impact. Measured on a pane: with 0.05 to 0.14, the tension under the
+/// impactor has an error of 2% of its peak during the rise of the force; without these vibrations 5%, and without
+/// damping 4%, and 2.5% later.
 const DAMPING_RATIO: f64 = 0.1;
 
 /// Coordinates that represent the short waves of a plate, and the weights of the modes.
@@ -22,9 +23,6 @@ pub struct ShortWaves {
     pub static_compliance: f64,
     /// Weights √g of the modes.
     pub weights: DVector<f64>,
-    /// Whether relaxation couples the modes. All modes are then kept. The force on each has the weight g, and
-    /// displacements are read without weights.
-    pub are_coupled: bool,
     /// Number of lowest modes that act on the impact point.
     pub acting: usize,
     /// Number of lowest modes that are kept, with those that are only read.
@@ -43,14 +41,13 @@ impl ShortWaves {
         let acting = weights.iter().filter(|weight| **weight > 0.0).count();
         // Without modes in closed form, the modes below ω_c contain the vibrations that tensions need. But relaxation
         // changes their shapes, for which the modes above are needed.
-        let are_coupled = projection.relaxations.iter().any(|part| !part.chain.terms.is_empty());
-        let keeps_all = plate.rectangle.is_some() || are_coupled;
+        let relaxes = projection.relaxations.iter().any(|part| !part.chain.terms.is_empty());
+        let keeps_all = plate.rectangle.is_some() || relaxes;
         let (kept, least) = if keeps_all { (weights.len(), READ_ONLY) } else { (acting, 0.0) };
         Some(Self {
             coordinates: plate.waves_above(cutoff),
             static_compliance: plate.static_compliance(cutoff),
             weights: weights.map(|weight| weight.max(least).sqrt()),
-            are_coupled,
             acting,
             kept,
             force: force.clone(),

@@ -16,6 +16,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_probe_at_the_point_reads_what_the_impactor_feels,
     a_pane_without_its_short_waves_has_probes,
     a_laminate_without_its_short_waves_relaxes_as_with_them,
+    a_damped_pane_without_its_short_waves_moves_as_with_them,
     quarters_and_ranks_agree,
     bases_tend_to_all_unknowns,
     tension_at_the_bottom_is_that_of_mindlins_plate,
@@ -129,22 +130,49 @@ fn a_laminate_without_its_short_waves_relaxes_as_with_them() {
          [impactor]\nyoung = 210e9\npoisson = 0.3\nmass = 0.1\nradius = 0.015\nspeed = 4.0\n\
          [time]\nend = 5e-4\nstep = 2e-6\n[accuracy]\ntolerance = 2e-2\n"
     );
-    let folder = folder(&(scene + &probes(&[[0.0, 0.0, -0.00438]])));
-    let [long, all] = [("long", ""), ("all", "--set body.reduction=220")].map(|(name, reduction)| {
-        let result = solved(&folder, name, 0, reduction);
+    let worst = off_all_waves(&folder(&(scene + &probes(&[[0.0, 0.0, -0.00438]]))), 220, (COLUMNS[2], 0), 1e-4);
+    // 9.8e-3 was measured. With 300 vectors in the place of 220, the other basis changes by 6e-3.
+    assert!(worst < 2.5e-2, "{worst:e}");
+}
+
+/// On a pane with dampers at its edges, the displacement far from the impact point is the same with a basis of long
+/// waves and with one of all waves, within 1.5% of its largest value. Dampers couple modes that act on the impact point
+/// with others that do not. (When the displacements of coupled modes were read with the weights of the force, the
+/// displacement was 2.9% off.)
+fn a_damped_pane_without_its_short_waves_moves_as_with_them() {
+    let scene = "[body]\nmodel = \"mindlin\"\nsize = [0.5, 0.4, 0.006]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = [0.0, 0.0, 5e8]\ndamping = [0.0, 0.0, 1e7]\n\
+         [impactor]\nyoung = 210e9\npoisson = 0.3\nmass = 0.1\nradius = 0.015\nspeed = 4.0\n\
+         point = [0.05, 0.03, 0.003]\n[time]\nend = 6e-4\nstep = 2e-6\n[accuracy]\ntolerance = 2e-2\n";
+    let scene = scene.to_owned() + &probes(&[[-0.15, -0.1, -0.003]]);
+    let worst = off_all_waves(&folder(&scene), 300, (COLUMNS[0], 2), 0.0);
+    // 6.8e-3 was measured. With 400 vectors in the place of 300, the other basis changes by 2e-3.
+    assert!(worst < 1.5e-2, "{worst:e}");
+}
+
+/// Runs the scene of a folder with a basis of long waves, and with one of `vectors` vectors, which has all waves. Returns
+/// the largest difference of one component of the first probe's column after a time (s), relative to its largest value.
+fn off_all_waves(
+    folder: &tempfile::TempDir,
+    vectors: usize,
+    (column, component_of): ((&str, &str), usize),
+    after: f64,
+) -> f64 {
+    let [long, all] = [String::new(), format!("--set body.reduction={vectors}")].map(|reduction| {
+        let result = solved(folder, if reduction.is_empty() { "long" } else { "all" }, 0, &reduction);
         let times = results::open(&result).dataset("series/time").unwrap().read_raw::<f64>().unwrap();
-        let stresses = component(&rows(&result, 0, COLUMNS[2]), 0);
-        (times.into_iter().zip(stresses).collect::<Vec<_>>(), text(&results::open(&result), "reduction"))
+        let values = component(&rows(&result, 0, column), component_of);
+        (times.into_iter().zip(values).collect::<Vec<_>>(), text(&results::open(&result), "reduction"))
     });
     // Both have the same regular steps; the steps at which contacts begin and end are others.
-    let same = |time: f64| all.0.iter().find(|(of, _)| (of - time).abs() < 1e-12).map(|(_, stress)| *stress);
-    let after_peak = long.0.iter().filter(|(time, _)| *time > 1e-4);
-    let off: Vec<f64> = after_peak.filter_map(|(time, stress)| Some((same(*time)? - stress).abs())).collect();
-    let largest = all.0.iter().fold(0.0_f64, |most, (_, stress)| most.max(*stress));
+    let same = |time: f64| all.0.iter().find(|(of, _)| (of - time).abs() < 1e-12).map(|(_, value)| *value);
+    let late = long.0.iter().filter(|(time, _)| *time > after);
+    let off: Vec<f64> = late.filter_map(|(time, value)| Some((same(*time)? - value).abs())).collect();
+    let largest = all.0.iter().fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
     let worst = off.iter().fold(0.0_f64, |most, off| most.max(*off)) / largest;
     println!("{} and {}: {worst:.1e} at {} times", long.1, all.1, off.len());
-    // 9.8e-3 was measured. With 300 vectors in the place of 220, the other basis changes by 6e-3.
-    assert!(long.1 != all.1 && off.len() > 100 && worst < 2.5e-2, "{worst:e}");
+    assert!(long.1 != all.1 && off.len() > 100);
+    worst
 }
 
 /// Probes in all four quarters agree between a quarter and the whole plate, on one, two and three ranks.

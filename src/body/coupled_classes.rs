@@ -1,13 +1,12 @@
-//! Free motions of a viscoelastic body whose modes split into uncoupled classes, such as symmetry classes. Each class
-//! is solved separately.
+//! Free motions of a body whose coupled modes split into classes that do not couple with each other, such as symmetry
+//! classes. Each class is solved separately.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::BlockMatrix;
-use super::damped::Damped;
+use super::coupled_modes::{CoupledModes, Forces, RelaxingForms, of_class};
 use super::eigen::coupled;
 use super::modal_relaxation::ModalRelaxation;
-use super::relaxing_modes::{Forces, Relaxing, RelaxingForms, of_class};
 use crate::error::Result;
 
 /// Same as [`of_class`] for all modes. The classes follow from the coupling by dampers and relaxation. Four classes of
@@ -15,12 +14,12 @@ use crate::error::Result;
 ///
 /// # Errors
 /// Same as [`of_class`].
-pub fn relaxing(
+pub fn coupled_modes(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
     relaxations: &[ModalRelaxation],
     forces: Forces,
-) -> Result<Relaxing> {
+) -> Result<CoupledModes> {
     let none = DMatrix::zeros(squares.len(), squares.len());
     let coupling = damping.into_iter().chain(relaxations.iter().map(|part| &part.distortion));
     let classes = coupled(&coupling.fold(none, |sum, matrix| sum + matrix.abs()));
@@ -40,29 +39,29 @@ pub fn relaxing(
 }
 
 /// Joins the coordinates of all classes, one class after the other.
-fn joined(classes: &[Vec<usize>], parts: Vec<Relaxing>, count: usize) -> Relaxing {
-    let coordinates = parts.iter().map(|part| part.damped.modes.len()).sum();
+fn joined(classes: &[Vec<usize>], parts: Vec<CoupledModes>, count: usize) -> CoupledModes {
+    let coordinates = parts.iter().map(|part| part.modes.len()).sum();
     let springs = parts.iter().map(|part| part.forms.stretches.rows()).sum();
     let mut modes = Vec::with_capacity(coordinates);
     let [mut places, mut speeds, mut inputs, mut stretches] = [const { Vec::new() }; 4];
     let mut elastic = Vec::new();
     let mut spring = 0;
-    for (class, Relaxing { damped, forms }) in classes.iter().zip(parts) {
-        let own: Vec<usize> = (modes.len()..modes.len() + damped.modes.len()).collect();
-        let own_springs: Vec<usize> = (spring..spring + forms.stretches.rows()).collect();
+    for (class, part) in classes.iter().zip(parts) {
+        let own: Vec<usize> = (modes.len()..modes.len() + part.modes.len()).collect();
+        let own_springs: Vec<usize> = (spring..spring + part.forms.stretches.rows()).collect();
         spring += own_springs.len();
-        modes.extend(damped.modes);
-        let [of_places, of_speeds] = damped.shapes;
+        modes.extend(part.modes);
+        let [of_places, of_speeds] = part.shapes;
         places.extend(of_places.into_blocks_of(class, &own));
         speeds.extend(of_speeds.into_blocks_of(class, &own));
-        inputs.extend(damped.inputs.into_blocks_of(&own, class));
-        stretches.extend(forms.stretches.into_blocks_of(&own_springs, &own));
-        elastic.extend(forms.elastic.into_iter().map(|block| block.of_class(class)));
+        inputs.extend(part.inputs.into_blocks_of(&own, class));
+        stretches.extend(part.forms.stretches.into_blocks_of(&own_springs, &own));
+        elastic.extend(part.forms.elastic.into_iter().map(|block| block.of_class(class)));
     }
     let shapes = [places, speeds].map(|blocks| BlockMatrix::new([count, coordinates], blocks));
     let inputs = BlockMatrix::new([coordinates, count], inputs);
     let stretches = BlockMatrix::new([springs, coordinates], stretches);
-    Relaxing { damped: Damped { modes, shapes, inputs }, forms: RelaxingForms { elastic, stretches } }
+    CoupledModes { modes, shapes, inputs, forms: RelaxingForms { elastic, stretches } }
 }
 
 #[cfg(test)]
@@ -96,32 +95,29 @@ mod tests {
         let damping = DMatrix::from_fn(5, 5, |i, j| if i == j { 0.1 } else { 1e-3 * same(i, j) });
         let everywhere = damping.map(|entry: f64| if entry == 0.0 { 1e-17 } else { entry });
         let of = |damping: Option<&DMatrix<f64>>| {
-            relaxing(&squares, damping, std::slice::from_ref(&part), Forces::reciprocal(&force, &load)).unwrap()
+            coupled_modes(&squares, damping, std::slice::from_ref(&part), Forces::reciprocal(&force, &load)).unwrap()
         };
         // The response at a rate is a sum over the coordinates, in any order.
-        let answer = |of: &Relaxing, rate: f64| {
+        let answer = |of: &CoupledModes, rate: f64| {
             let one = |mode: &Mode| (mode.output * (mode.input + mode.load) / (Complex::new(rate, 0.0) - mode.rate)).re;
-            of.damped.modes.iter().map(one).sum::<f64>()
+            of.modes.iter().map(one).sum::<f64>()
         };
         for (one, other) in
             [(of(Some(&damping)), of(Some(&everywhere))), (of(None), of(Some(&(damping.clone() * 1e-17))))]
         {
             // Three springs for each of two terms: two springs in one class and one in the other.
             assert_eq!(one.forms.stretches.rows(), 6);
-            assert_eq!(one.damped.modes.len(), other.damped.modes.len());
+            assert_eq!(one.modes.len(), other.modes.len());
             for rate in [0.1, 1.0, 10.0] {
                 let [x, y] = [&one, &other].map(|of| answer(of, rate));
                 assert!((x - y).abs() < 1e-13, "{rate}: {x} {y}");
             }
-            let [x, y] = [&one, &other].map(|Relaxing { damped, forms }| {
-                let z: Vec<_> = damped
-                    .modes
-                    .iter()
-                    .map(|mode| (mode.input + mode.load) / (Complex::new(1.0, 0.0) - mode.rate))
-                    .collect();
-                let x = damped.shapes[0].real_parts(&z);
+            let [x, y] = [&one, &other].map(|CoupledModes { modes, shapes, forms, .. }| {
+                let z: Vec<_> =
+                    modes.iter().map(|mode| (mode.input + mode.load) / (Complex::new(1.0, 0.0) - mode.rate)).collect();
+                let x = shapes[0].real_parts(&z);
                 let x = DMatrix::from_column_slice(x.len(), 1, x.as_slice());
-                forms.energies(&x, &[&z])[0] + damped.shapes[1].real_parts(&z).norm_squared()
+                forms.energies(&x, &[&z])[0] + shapes[1].real_parts(&z).norm_squared()
             });
             assert!((x - y).abs() < 1e-13, "{x} {y}");
         }

@@ -1,4 +1,4 @@
-//! Free motions of a viscoelastic body, in first-order coordinates.
+//! Free motions of a body whose modes are coupled by dampers or relaxation, in first-order coordinates.
 //!
 //! In the real coordinates x of the lower modes of a body, where M = 1,
 //!
@@ -17,13 +17,15 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::block_matrix::real_times_complex;
-use super::damped::{CONDITION, Damped};
 use super::eigen::GeneralEigen;
 use super::modal_relaxation::ModalRelaxation;
 use super::rational_eigen::{Pair, Rational};
 use super::relaxing_directions::all_directions;
 use super::{BlockMatrix, Mode};
 use crate::error::{Error, Result};
+
+/// Largest norm of the inverse of the unit eigenvectors for which they count as independent.
+const CONDITION: f64 = 1e9;
 
 /// Quadratic forms of the energy of a viscoelastic body.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,10 +77,14 @@ impl<'a> Forces<'a> {
     }
 }
 
-/// Modal form of a viscoelastic body.
-pub struct Relaxing {
-    /// Coordinates, with the matrices of x and v.
-    pub damped: Damped,
+/// First-order coordinates z of the coupled modes of a body.
+pub struct CoupledModes {
+    /// Coordinates z.
+    pub modes: Vec<Mode>,
+    /// Matrices of x and v from the coordinates, Re(X z) and Re(V z).
+    pub shapes: [BlockMatrix; 2],
+    /// Inputs b of forces on x.
+    pub inputs: BlockMatrix,
     /// Quadratic forms of the energy.
     pub forms: RelaxingForms,
 }
@@ -162,7 +168,7 @@ pub fn of_class(
     damping: Option<&DMatrix<f64>>,
     relaxations: &[ModalRelaxation],
     forces: Forces,
-) -> Result<Relaxing> {
+) -> Result<CoupledModes> {
     if let (None, [part]) = (damping, relaxations)
         && part.is_quicker_by_pairs()
         && let elastic = relaxed(squares, relaxations)
@@ -184,7 +190,7 @@ impl<'a> Rational<'a> {
 }
 
 /// Returns coordinates z with x = Re Σ φ z, summed over all pairs.
-fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], forces: Forces) -> Relaxing {
+fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], forces: Forces) -> CoupledModes {
     let n = elastic.nrows();
     let shapes = |factor: &dyn Fn(&Pair) -> Complex<f64>| {
         DMatrix::from_fn(n, pairs.len(), |i, c| pairs[c].shape[i] * factor(&pairs[c]) * pairs[c].count())
@@ -199,25 +205,29 @@ fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], forces: F
         rows.for_each(|(entry, spring)| *entry *= pair.rate / (pair.rate + spring.rate));
     }
     let rates: Vec<_> = pairs.iter().map(|pair| pair.rate).collect();
-    let damped = coordinates(&rates, [places, speeds], inputs, forces);
-    let stretches = BlockMatrix::whole(stretches);
-    Relaxing { damped, forms: RelaxingForms { elastic: vec![ElasticBlock::whole(elastic)], stretches } }
+    coordinates(&rates, [places, speeds], inputs, forces, of_energy(elastic, stretches))
 }
 
-/// Returns the modes of coordinates with given rates, shapes and inputs, under forces.
+/// Returns the quadratic forms of the energy of one class of modes.
+fn of_energy(elastic: DMatrix<f64>, stretches: DMatrix<Complex<f64>>) -> RelaxingForms {
+    RelaxingForms { elastic: vec![ElasticBlock::whole(elastic)], stretches: BlockMatrix::whole(stretches) }
+}
+
+/// Returns the coordinates with given rates, shapes and inputs, under forces.
 fn coordinates(
     rates: &[Complex<f64>],
     shapes: [DMatrix<Complex<f64>>; 2],
     inputs: DMatrix<Complex<f64>>,
     forces: Forces,
-) -> Damped {
+    forms: RelaxingForms,
+) -> CoupledModes {
     let complex = |v: &DVector<f64>| v.map(|entry| Complex::new(entry, 0.0));
     let [input, load] = [forces.input, forces.load].map(|v| &inputs * complex(v));
     let outputs = shapes[0].tr_mul(&complex(forces.output));
     let mode =
         |(c, rate): (usize, &Complex<f64>)| Mode { rate: *rate, input: input[c], load: load[c], output: outputs[c] };
     let modes = rates.iter().enumerate().map(mode).collect();
-    Damped { modes, shapes: shapes.map(BlockMatrix::whole), inputs: BlockMatrix::whole(inputs) }
+    CoupledModes { modes, shapes: shapes.map(BlockMatrix::whole), inputs: BlockMatrix::whole(inputs), forms }
 }
 
 /// Computes the same coordinates from the eigenvectors of the first-order system.
@@ -226,12 +236,12 @@ fn of_first_order(
     damping: Option<&DMatrix<f64>>,
     (elastic, springs): (DMatrix<f64>, &[Spring]),
     forces: Forces,
-) -> Result<Relaxing> {
+) -> Result<CoupledModes> {
     let n = squares.len();
     let of_damping = |i: usize| damping.map_or(0.0, |damping| damping[(i, i)]);
     let scales = DVector::from_fn(n, |i, _| squares[i].sqrt().max(of_damping(i)).max(f64::MIN_POSITIVE));
     let size = 2 * n + springs.len();
-    tracing::debug!(size, "relaxing modes by the first-order system");
+    tracing::debug!(size, "coupled modes by the first-order system");
     let mut matrix = DMatrix::zeros(size, size);
     for i in 0..n {
         matrix[(i, n + i)] = scales[i];
@@ -248,10 +258,15 @@ fn of_first_order(
         matrix[(row, row)] = -rate;
     }
     let dependent = || {
-        Error::Solve(
-            "the body's relaxation leaves it without independent modes: another time.scheme, or another temperature"
-                .into(),
-        )
+        let message = match springs.is_empty() {
+            true => {
+                "the dampers leave the body without independent modes (critical damping): another damping, or another time.scheme"
+            }
+            false => {
+                "the body's relaxation leaves it without independent modes: another time.scheme, or another temperature"
+            }
+        };
+        Error::Solve(message.into())
     };
     let eigen = GeneralEigen::new(&matrix).ok_or_else(dependent)?;
     // Of each conjugate pair, one is kept and counted twice; real ones are counted once.
@@ -272,14 +287,12 @@ fn of_first_order(
     let (mut places, speeds, stretches) = (rows(0, n), rows(n, n), rows(2 * n, springs.len()));
     places.row_iter_mut().zip(scales.iter()).for_each(|(mut row, scale)| row.unscale_mut(*scale));
     let rates: Vec<_> = chosen.iter().map(|&(k, _)| eigen.value(k)).collect();
-    let damped = coordinates(&rates, [places, speeds], inputs, forces);
-    let stretches = BlockMatrix::whole(stretches);
-    Ok(Relaxing { damped, forms: RelaxingForms { elastic: vec![ElasticBlock::whole(elastic)], stretches } })
+    Ok(coordinates(&rates, [places, speeds], inputs, forces, of_energy(elastic, stretches)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::relaxing_classes::relaxing;
+    use super::super::coupled_classes::coupled_modes;
     use super::*;
     use crate::body::eigen::semidefinite_factor;
     use crate::body::relaxing_directions::Directions;
@@ -329,12 +342,12 @@ mod tests {
     fn work_is_stored_or_lost() {
         for damping in [0.0, 0.4] {
             let Sample { squares, damping, relaxations, force, load } = sample(damping);
-            let Relaxing { damped, forms } =
-                relaxing(&squares, damping.as_ref(), &relaxations, Forces::reciprocal(&force, &load)).unwrap();
-            let [places, speeds] = &damped.shapes;
+            let CoupledModes { modes, shapes, forms, .. } =
+                coupled_modes(&squares, damping.as_ref(), &relaxations, Forces::reciprocal(&force, &load)).unwrap();
+            let [places, speeds] = &shapes;
             let rates: Vec<f64> = springs(&relaxations).iter().map(|spring| spring.rate).collect();
             let power = |time: f64| {
-                let z = pushed(&damped.modes, time);
+                let z = pushed(&modes, time);
                 let stretches = forms.stretches.real_parts(&z);
                 let v = speeds.real_parts(&z);
                 let of_dampers = damping.as_ref().map_or(0.0, |damping| v.dot(&(damping * &v)));
@@ -345,7 +358,7 @@ mod tests {
             for k in 1..=100 {
                 let middle = (f64::from(k) - 0.5) * panel;
                 lost += rule.iter().map(|(x, p)| 0.5 * panel * p * power(middle + 0.5 * panel * x)).sum::<f64>();
-                let z = pushed(&damped.modes, f64::from(k) * panel);
+                let z = pushed(&modes, f64::from(k) * panel);
                 let (x, v) = (places.real_parts(&z), speeds.real_parts(&z));
                 let work = x.dot(&(&force + &load));
                 let off = 0.5 * v.norm_squared() + energy(&forms, &x, &z) + lost - work;
@@ -361,8 +374,8 @@ mod tests {
     fn coordinates_have_the_transform_of_the_chain() {
         for damping in [0.0, 0.4] {
             let Sample { squares, damping, relaxations, force, load } = sample(damping);
-            let Relaxing { damped, .. } =
-                relaxing(&squares, damping.as_ref(), &relaxations, Forces::reciprocal(&force, &load)).unwrap();
+            let CoupledModes { modes, .. } =
+                coupled_modes(&squares, damping.as_ref(), &relaxations, Forces::reciprocal(&force, &load)).unwrap();
             for s in [1e-3, 0.1, 3.0, 40.0, 1e4] {
                 let mut operator = relaxed(&squares, &relaxations) + DMatrix::identity(4, 4) * (s * s);
                 for part in &relaxations {
@@ -373,7 +386,7 @@ mod tests {
                 }
                 let exact = force.dot(&operator.cholesky().unwrap().solve(&force));
                 let of = |mode: &Mode| (mode.output * mode.input / (Complex::new(s, 0.0) - mode.rate)).re;
-                let found: f64 = damped.modes.iter().map(of).sum();
+                let found: f64 = modes.iter().map(of).sum();
                 // At high rates, terms of order one cancel and leave s⁻².
                 assert!((found - exact).abs() < 1e-13 + 1e-11 * exact.abs() / s.max(1.0), "{s}: {found} {exact}");
             }
@@ -389,8 +402,8 @@ mod tests {
         let factor = semidefinite_factor(&part.distortion).transpose();
         let counts = vec![2, 3, 1];
         part.directions = Some(Directions { factor: factor.clone(), counts: counts.clone() });
-        let Relaxing { damped, forms } =
-            relaxing(&squares, None, &part.parts(), Forces::reciprocal(&force, &load)).unwrap();
+        let CoupledModes { modes, shapes, forms, .. } =
+            coupled_modes(&squares, None, &part.parts(), Forces::reciprocal(&force, &load)).unwrap();
         assert_eq!(forms.stretches.rows(), 6);
         for s in [1e-3, 0.1, 3.0, 40.0] {
             let mut operator = DMatrix::from_diagonal(&squares) + DMatrix::identity(4, 4) * (s * s);
@@ -402,7 +415,7 @@ mod tests {
             }
             let exact = force.dot(&operator.cholesky().unwrap().solve(&force));
             let of = |mode: &Mode| (mode.output * mode.input / (Complex::new(s, 0.0) - mode.rate)).re;
-            let found: f64 = damped.modes.iter().map(of).sum();
+            let found: f64 = modes.iter().map(of).sum();
             // At high rates, terms of order one cancel and leave s⁻².
             assert!((found - exact).abs() < 1e-13 + 1e-11 * exact.abs() / s.max(1.0), "{s}: {found} {exact}");
         }
@@ -430,9 +443,9 @@ mod tests {
             let one = of_pairs(&pairs, elastic.clone(), &springs, Forces::reciprocal(&force, &load));
             let other = of_first_order(&squares, None, (elastic, &springs), Forces::reciprocal(&force, &load)).unwrap();
             for time in [0.01, 0.3, 2.0, 20.0] {
-                let [(x, v, e), (y, w, f)] = [&one, &other].map(|Relaxing { damped, forms }| {
-                    let z = pushed(&damped.modes, time);
-                    let [places, speeds] = &damped.shapes;
+                let [(x, v, e), (y, w, f)] = [&one, &other].map(|CoupledModes { modes, shapes, forms, .. }| {
+                    let z = pushed(&modes, time);
+                    let [places, speeds] = &shapes;
                     (places.real_parts(&z), speeds.real_parts(&z), forms.stretches.real_parts(&z))
                 });
                 // Rounding of displacements and stretches of order one, and of the rates of the first-order system,
