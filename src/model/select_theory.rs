@@ -5,6 +5,7 @@
 //! alone. The error of Mindlin's theory is estimated from its difference from Kirchhoff's in the acceleration of the
 //! first contact ([`super::mindlin_error`]). The first theory with a small enough estimated error is taken.
 
+use std::cell::LazyCell;
 use std::f64::consts::PI;
 
 use petsc_wrap::Comm;
@@ -218,16 +219,20 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     let part = mindlin_error_over_difference(scene);
     let rough = rougher(&modal);
     let on_rough = |theory| reduce(comm, operators(&rough, theory)?.body.linear(), &rough, watch);
-    // With a given scheme and no basis, the solid is a mesh in any case.
-    let no_splines = if scene.is_reduced() { spline::admits(scene).err() } else { None };
-    let most =
-        if no_splines.is_some() { THEORY_SHARE.max(LARGEST_ERROR_INSTEAD_OF_MESH / tolerance) } else { THEORY_SHARE };
+    // Reason why splines cannot model the solid, evaluated only where the theory's error is above its share. With a
+    // given scheme and no basis, the solid is a mesh in any case.
+    let no_splines = LazyCell::new(|| if scene.is_reduced() { spline::admits(scene).err() } else { None });
+    let is_too_large = |error_over_tolerance: f64, factor: f64| {
+        let instead_of_mesh = || THEORY_SHARE.max(LARGEST_ERROR_INSTEAD_OF_MESH / tolerance);
+        error_over_tolerance > factor * THEORY_SHARE
+            && (no_splines.is_none() || error_over_tolerance > factor * instead_of_mesh())
+    };
     let mut thin = None;
     // If rough plates clearly rule out the theory, no fine plate is computed.
-    if part * LEAST_DIFFERENCE > most * tolerance {
+    if is_too_large(part * LEAST_DIFFERENCE / tolerance, 1.0) {
         let kirchhoff = on_rough(Theory::Kirchhoff)?;
         let compared = Compared::new(scene, part, &on_rough(Theory::Mindlin)?, &kirchhoff, watch);
-        if compared.error_over_tolerance > RULED_OUT_FACTOR * most {
+        if is_too_large(compared.error_over_tolerance, RULED_OUT_FACTOR) {
             passed.push(compared.ruled_out(scene));
             return Ok(None);
         }
@@ -244,13 +249,13 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     } else {
         let thin = thin.map_or_else(|| on_rough(Theory::Kirchhoff), Ok)?;
         let compared = Compared::new(scene, part, &thick.reduced, &thin, watch);
-        if compared.error_over_tolerance > most {
+        if is_too_large(compared.error_over_tolerance, 1.0) {
             passed.push(compared.ruled_out(scene));
             return Ok(None);
         }
         let is_above_its_part = compared.error_over_tolerance > THEORY_SHARE;
-        passed.push(match no_splines.filter(|_| is_above_its_part) {
-            Some(reason) => compared.in_place_of_mesh(scene, &reason),
+        passed.push(match is_above_its_part.then(|| no_splines.as_ref()).flatten() {
+            Some(reason) => compared.in_place_of_mesh(scene, reason),
             None => compared.judged,
         });
         compared.errors
