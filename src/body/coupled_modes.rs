@@ -402,7 +402,7 @@ mod tests {
         let factor = semidefinite_factor(&part.distortion).transpose();
         let counts = vec![2, 3, 1];
         part.directions = Some(Directions { factor: factor.clone(), counts: counts.clone() });
-        let CoupledModes { modes, shapes, forms, .. } =
+        let CoupledModes { modes, forms, .. } =
             coupled_modes(&squares, None, &part.parts(), Forces::reciprocal(&force, &load)).unwrap();
         assert_eq!(forms.stretches.rows(), 6);
         for s in [1e-3, 0.1, 3.0, 40.0] {
@@ -444,7 +444,7 @@ mod tests {
             let other = of_first_order(&squares, None, (elastic, &springs), Forces::reciprocal(&force, &load)).unwrap();
             for time in [0.01, 0.3, 2.0, 20.0] {
                 let [(x, v, e), (y, w, f)] = [&one, &other].map(|CoupledModes { modes, shapes, forms, .. }| {
-                    let z = pushed(&modes, time);
+                    let z = pushed(modes, time);
                     let [places, speeds] = &shapes;
                     (places.real_parts(&z), speeds.real_parts(&z), forms.stretches.real_parts(&z))
                 });

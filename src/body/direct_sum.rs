@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::Columns;
+use super::start::loads_shift;
 use super::{DiagonalSymmetry, Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 
@@ -31,7 +32,8 @@ impl DirectSum {
     /// Same as [`Krylov::new`].
     pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
         let start = start.into();
-        let parts = body.classes().into_iter().map(|class| Krylov::new(class, start)).collect::<Result<Vec<_>>>()?;
+        let part = |class| Krylov::new(class, Start { loads_shift: loads_shift(class, start)?, ..start });
+        let parts = body.classes().into_iter().map(part).collect::<Result<Vec<_>>>()?;
         let class_of = parts.iter().enumerate().flat_map(|(class, part)| vec![class; part.vectors()]).collect();
         let exchange = body.exchange().cloned();
         let of_parts = || parts.iter().map(|part| part.basis().rows()).sum();

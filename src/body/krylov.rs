@@ -26,7 +26,7 @@ use super::direct::Precision;
 use super::lanczos::{Growing, Lanczos};
 use super::linear::{LinearBody, Operator, Properties};
 use super::projected::Projected;
-use super::shift::{Chain, Shift, Solver, Source, rates};
+use super::shift::{Chain, Shift, Solver, Source, rates as shift_rates};
 use super::{Projection, Start};
 use crate::error::Result;
 use crate::scene::Fault;
@@ -74,28 +74,37 @@ impl Krylov {
     /// # Errors
     /// If the impact point is constrained along the impact direction, if S has no factor, or if a PETSc call fails.
     pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
-        let Start { shift, end, leaves_short_waves, in_blocks } = start.into();
+        let Start { shift, loads_shift, end, leaves_short_waves, in_blocks } = start.into();
         let properties = body.properties()?;
-        let Properties { layout, held, equilibrium: rest, pushed, load, support_load, .. } = &properties;
+        let Properties { layout, held, equilibrium: rest, pushed, .. } = &properties;
         let is_damped = body.has(Operator::Damping);
         let mut starts = layout.one(properties.force.clone());
-        let mut loads = layout.one(load.clone());
-        loads.add(1.0, &layout.one(support_load.clone()));
-        // In equilibrium, the loads excite no waves. The basis then only needs the static deflection due to the loads.
-        if rest.is_none() && loads.largest() > 0.0 {
-            starts.append(loads);
-        }
         // Where a foundation loses or regains contact, its forces move the body.
         pushed.iter().for_each(|pushed| starts.push(pushed));
+        // In equilibrium, the loads excite no waves. The basis then only needs the static deflection due to the loads.
+        let loads = properties.sudden_loads();
+        let of_impact = starts.count();
+        loads.into_iter().for_each(|loads| starts.append(loads));
         starts.zero_rows(held);
         let is_alone = starts.count() == 1;
-        let rates = rates(&body.chains(), shift, end);
+        let mut rates = shift_rates(&body.chains(), shift, end);
+        let at_impact = 0..rates.len();
+        let at_loads = match loads_shift.filter(|_| starts.count() > of_impact) {
+            Some(slow) => {
+                rates.extend(shift_rates(&body.chains(), slow, end));
+                at_impact.end..rates.len()
+            }
+            None => at_impact.clone(),
+        };
         let may_recur = in_blocks && !is_damped && rates.len() == 1 && is_alone && rest.is_none();
         // Single-precision vectors are orthogonalised in the end, and their rounding is small compared with a tolerance
         // that allows blocks.
         let precision = if may_recur { Precision::Single } else { Precision::Double };
         let shifts = Shift::all(body, &rates, precision)?;
-        let source = |number| Source::new(starts.range(number..number + 1), shifts.len());
+        let source = |number| {
+            let shifts = if number < of_impact { &at_impact } else { &at_loads };
+            Source::new(starts.range(number..number + 1), shifts.clone())
+        };
         let sources: Vec<Source> = (0..starts.count()).map(source).collect();
         if sources[0].is_exhausted() {
             let message = "the body is held where it is hit, along the impact: it does not move there".to_owned();
@@ -174,8 +183,8 @@ impl Krylov {
         }
         let count = sources.len();
         let own = sources[*turn].next_chain();
-        let Source { start, chains, .. } = &mut sources[*turn];
-        let (first, Shift { rate, solver }) = (shifts[0].rate, &mut shifts[own]);
+        let Source { start, chains, shifts: of_source, .. } = &mut sources[*turn];
+        let (first, Shift { rate, solver }) = (shifts[0].rate, &mut shifts[of_source.start + own]);
         let (rate, Chain { last, exhausted }) = (*rate, &mut chains[own]);
         let (mut next, mut companion) = match last {
             Some((number, momentum)) => {

@@ -59,6 +59,16 @@ pub struct Properties {
     pub multiplicity: f64,
 }
 
+impl Properties {
+    /// Returns the load vector of all loads, N, if they excite waves: if the motion does not start from equilibrium.
+    /// Collective.
+    pub(super) fn sudden_loads(&self) -> Option<Columns> {
+        let mut loads = self.layout.one(self.load.clone());
+        loads.add(1.0, &self.layout.one(self.support_load.clone()));
+        Some(loads).filter(|loads| self.equilibrium.is_none() && loads.largest() > 0.0)
+    }
+}
+
 /// A linear body. All ranks that share it must call each method together.
 pub trait LinearBody {
     /// Number of unknowns on all ranks.

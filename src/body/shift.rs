@@ -4,6 +4,8 @@
 //! shapes, and vectors with one modulus represent the other shapes poorly. Such a body has a few more shifts, each with
 //! the moduli at that shift.
 
+use std::ops::Range;
+
 use petsc_wrap::{Ksp, Vector};
 
 use super::columns::Columns;
@@ -125,7 +127,9 @@ pub fn vectors_over_one_shift(shifts: usize) -> f64 {
 pub(super) struct Source {
     /// Start vector: the contact force vector a, the loads, or the load vector of a foundation.
     pub start: Columns,
-    /// One chain of vectors for each shift.
+    /// Numbers of the shifts at which vectors are made from it.
+    pub shifts: Range<usize>,
+    /// One chain of vectors for each of these shifts.
     pub chains: Vec<Chain>,
     /// Position in the sequence of chains, including exhausted ones that were skipped.
     turn: usize,
@@ -140,10 +144,10 @@ pub(super) struct Chain {
 }
 
 impl Source {
-    pub fn new(start: Columns, shifts: usize) -> Self {
+    pub fn new(start: Columns, shifts: Range<usize>) -> Self {
         let exhausted = start.largest() == 0.0;
-        let chains = (0..shifts).map(|_| Chain { last: None, exhausted }).collect();
-        Self { start, chains, turn: 0 }
+        let chains = shifts.clone().map(|_| Chain { last: None, exhausted }).collect();
+        Self { start, shifts, chains, turn: 0 }
     }
 
     /// Whether no chain gives new directions.
@@ -182,7 +186,7 @@ mod tests {
     fn most_vectors_are_made_at_the_first_shift() {
         let mut basis = Columns::new(1, None);
         basis.push(&[1.0]);
-        let mut source = Source::new(basis, 3);
+        let mut source = Source::new(basis, 0..3);
         let mut next = |count: usize| (0..count).map(|_| source.next_chain()).collect::<Vec<_>>();
         assert_eq!(next(9), [0, 0, 0, 1, 0, 0, 0, 2, 0]);
         source.chains[0].exhausted = true;

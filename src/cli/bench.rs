@@ -138,6 +138,7 @@ impl<'a> Bench<'a> {
             newton_iterations: timed.iterations,
             solves: timed.solves,
             error_estimate: timed.estimate,
+            deflection_error_estimate: f64::NAN,
         };
         writer.finish(&cost, true)
     }

@@ -67,6 +67,8 @@ struct RunFacts {
     contacts: Vec<ContactFacts>,
     /// Estimated error of the acceleration over its peak, over the whole history; null without an estimate.
     error_estimate: f64,
+    /// Estimated error of the deflection under the impactor over its largest value; null without an estimate.
+    deflection_error_estimate: f64,
     /// Wall time of the run, s; null if the run has not ended.
     wall_time: f64,
     wall_time_model: f64,
@@ -107,6 +109,7 @@ impl RunFacts {
             largest: extremes(path)?,
             contacts: contacts.map(|(&(start, end), &impulse)| ContactFacts { start, end, impulse }).collect(),
             error_estimate: cost.error_estimate,
+            deflection_error_estimate: cost.deflection_error_estimate,
             wall_time: cost.total,
             wall_time_model: cost.model,
             wall_time_setup: cost.setup,
@@ -147,7 +150,9 @@ impl RunFacts {
         if let Some(largest) = &self.largest {
             let Extreme { value, time } = largest.acceleration;
             say(format_args!("largest    acceleration {} m/s² at {} ms", short(value), short(1e3 * time)));
-            for line in lines(largest, self.contacts.first().map(|first| first.end), |_| None) {
+            for line in
+                lines(largest, self.deflection_error_estimate, self.contacts.first().map(|first| first.end), |_| None)
+            {
                 say(format_args!("           {line}"));
             }
         }

@@ -169,10 +169,11 @@ pub fn is_outside_first_contact(time: f64, first_end: Option<f64>) -> bool {
     first_end.is_none_or(|end| time > end)
 }
 
-/// Lines with the largest values of a run, without the acceleration. `first_end` is the end of the first contact, s, if
-/// there was one. `why` returns the reason for which the error of the largest tension is not estimated, if it is known.
+/// Lines with the largest values of a run, without the acceleration. `deflection_error` is the estimated error of the
+/// deflection, NaN if it is unknown. `first_end` is the end of the first contact, s, if there was one. `why` returns the reason for which the error of the largest tension is not estimated, if it is known.
 pub fn lines(
     extremes: &Extremes,
+    deflection_error: f64,
     first_end: Option<f64>,
     why: impl Fn(&LargestTension) -> Option<String>,
 ) -> Vec<String> {
@@ -181,8 +182,12 @@ pub fn lines(
     };
     let backwards =
         if extremes.deflection.value < 0.0 { " (opposite to the impactor's direction of travel)" } else { "" };
+    let of_deflection = match deflection_error {
+        unknown if unknown.is_nan() => String::new(),
+        error => format!(", estimated error {}", estimated(error)),
+    };
     let mut lines = vec![format!(
-        "peak force {}; largest deflection under the impactor {}{backwards}",
+        "peak force {}; largest deflection under the impactor {}{backwards}{of_deflection}",
         at(&extremes.force, 1.0, "N"),
         at(&extremes.deflection, 1e3, "mm")
     )];

@@ -1,4 +1,4 @@
-//! Estimated errors of the acceleration and of the stresses, by cause, and the rule that combines them.
+//! Estimated errors of the acceleration, the stresses and the deflection, by cause, and the rule that combines them.
 
 use std::ops::{Add, Mul};
 
@@ -68,20 +68,32 @@ pub struct Errors {
     pub history: f64,
     /// Error of the largest tension in the first contact; NaN if it is not estimated.
     pub stress: f64,
+    /// Error of the deflection under the impactor over the whole time history; NaN if it is not estimated.
+    pub deflection: f64,
 }
 
 impl Errors {
     /// Returns errors that are all equal to `error`.
     pub fn throughout(error: f64) -> Self {
-        Self { first_contact: error, history: error, stress: error }
+        Self { first_contact: error, history: error, stress: error, deflection: error }
     }
 
-    /// Error of the quantity that the tolerance applies to. If the error of the stress is not estimated, it is the
-    /// error of the acceleration in the first contact.
+    /// Error of the quantity that the tolerance applies to; of the acceleration and the deflection, if it applies to
+    /// both. If the error of this quantity is not estimated, it is the error of the acceleration in the first contact.
     pub fn of(&self, measure: Measure) -> f64 {
+        match self.own(measure) {
+            unknown if unknown.is_nan() => self.first_contact,
+            own if measure == Measure::Deflection => own.max(self.first_contact),
+            own => own,
+        }
+    }
+
+    /// Error of a quantity; NaN if it is not estimated.
+    pub fn own(&self, measure: Measure) -> f64 {
         match measure {
-            Measure::Stress if !self.stress.is_nan() => self.stress,
-            _ => self.first_contact,
+            Measure::Acceleration => self.first_contact,
+            Measure::Stress => self.stress,
+            Measure::Deflection => self.deflection,
         }
     }
 
@@ -92,17 +104,19 @@ impl Errors {
             first_contact: joined(self.first_contact, other.first_contact),
             history: joined(self.history, other.history),
             stress: joined(self.stress, other.stress),
+            deflection: joined(self.deflection, other.deflection),
         }
     }
 
-    /// Returns the smaller error of each quantity; an error of the stress that is not estimated remains NaN.
+    /// Returns the smaller error of each quantity; an error that is not estimated remains NaN.
     #[must_use]
     pub fn min(self, other: Self) -> Self {
-        let stress = if self.stress.is_nan() { self.stress } else { self.stress.min(other.stress) };
+        let least = |one: f64, other: f64| if one.is_nan() { one } else { one.min(other) };
         Self {
             first_contact: self.first_contact.min(other.first_contact),
             history: self.history.min(other.history),
-            stress,
+            stress: least(self.stress, other.stress),
+            deflection: least(self.deflection, other.deflection),
         }
     }
 
@@ -113,6 +127,7 @@ impl Errors {
             first_contact: self.first_contact.max(other.first_contact),
             history: self.history.max(other.history),
             stress: self.stress.max(other.stress),
+            deflection: self.deflection.max(other.deflection),
         }
     }
 }
@@ -141,6 +156,7 @@ impl ErrorRule {
             first_contact,
             history: if is_largest_later { factors.history * difference.history } else { first_contact },
             stress: factors.stress * difference.stress,
+            deflection: factors.deflection * difference.deflection,
         };
         errors.joined(Errors::throughout(*least))
     }
@@ -155,6 +171,7 @@ impl Add for Errors {
             first_contact: self.first_contact + other.first_contact,
             history: self.history + other.history,
             stress: self.stress + other.stress,
+            deflection: self.deflection + other.deflection,
         }
     }
 }
@@ -163,8 +180,13 @@ impl Mul<Errors> for f64 {
     type Output = Errors;
 
     fn mul(self, errors: Errors) -> Errors {
-        let Errors { first_contact, history, stress } = errors;
-        Errors { first_contact: self * first_contact, history: self * history, stress: self * stress }
+        let Errors { first_contact, history, stress, deflection } = errors;
+        Errors {
+            first_contact: self * first_contact,
+            history: self * history,
+            stress: self * stress,
+            deflection: self * deflection,
+        }
     }
 }
 
@@ -246,10 +268,10 @@ impl ErrorEstimate {
 
     /// Names of the causes whose error is at least a fifth of the largest one.
     pub fn main_causes(&self, measure: Measure) -> Vec<&'static str> {
-        // If the error of the stress is unknown for one cause, all causes are compared by the acceleration, as in the
+        // If the error of the quantity is unknown for one cause, all causes are compared by the acceleration, as in the
         // total.
-        let has_stress = self.total().is_some_and(|total| !total.stress.is_nan());
-        let measure = if has_stress { measure } else { Measure::Acceleration };
+        let is_known = self.total().is_some_and(|total| !total.own(measure).is_nan());
+        let measure = if is_known { measure } else { Measure::Acceleration };
         self.main_causes_by(|errors| errors.of(measure))
     }
 
@@ -286,7 +308,12 @@ mod tests {
     /// by the acceleration.
     #[test]
     fn main_causes_are_those_that_count() {
-        let errors = |first_contact: f64, stress: f64| Errors { first_contact, history: first_contact, stress };
+        let errors = |first_contact: f64, stress: f64| Errors {
+            first_contact,
+            history: first_contact,
+            stress,
+            deflection: f64::NAN,
+        };
         let estimate = |of_basis: Errors| {
             ErrorEstimate::default().with(Cause::Basis, of_basis).with(Cause::Theory, errors(1e-3, 0.5))
         };

@@ -57,6 +57,8 @@ pub struct Count {
     pub error: Option<f64>,
     /// Estimated error of the largest tension in the first contact over its peak.
     pub stress_error: Option<f64>,
+    /// Estimated error of the deflection under the impactor over its largest value.
+    pub deflection_error: Option<f64>,
 }
 
 impl Count {

@@ -67,6 +67,7 @@ pub(super) fn reduce(
         first_contact: ERROR_OVER_DIFFERENCE,
         history: HISTORY_ERROR_OVER_DIFFERENCE,
         stress: TENSION_ERROR_OVER_DIFFERENCE,
+        deflection: HISTORY_ERROR_OVER_DIFFERENCE,
     };
     let rule = ErrorRule { factors, least: LEAST_ERROR };
     let mut krylov = DirectSum::new(body, plan.start)?;

@@ -170,7 +170,7 @@ pub fn refine(
         if let Some(judge) = &judge {
             let difference = watch.shared(fine.on_short_basis(scene, judge.vectors))?.difference(&judge.force);
             let error = judge.errors(cells, scene, theory, difference);
-            let Errors { first_contact, history, stress } = error;
+            let Errors { first_contact, history, stress, .. } = error;
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
             // Errors that do not depend on the cell size are part of the estimate, but not of the choice of cells.
             fine.error = Some(with_local_fields(scene, fine.evaluator.as_ref(), error));
@@ -227,7 +227,9 @@ pub(super) fn of_other_bases(scene: &Scene) -> Errors {
 fn allowed(scene: &Scene, others: Errors) -> f64 {
     let own = CELL_SHARE * scene.tolerance;
     match scene.measure {
-        Measure::Acceleration => own.max(rest(rest(1.0, TIME_STEP_SHARE) * scene.tolerance, others.of(scene.measure))),
+        Measure::Acceleration | Measure::Deflection => {
+            own.max(rest(rest(1.0, TIME_STEP_SHARE) * scene.tolerance, others.of(scene.measure)))
+        }
         Measure::Stress => own,
     }
 }

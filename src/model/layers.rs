@@ -77,10 +77,10 @@ pub(super) fn layered(
     let mismatch = plate::mismatch(&elastic)?;
     let of_theory = mindlin_error_over_difference(&elastic) * difference + Errors::throughout(mismatch);
     let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));
-    let of_what = scene.of_measure();
+    let (of_what, part) = (scene.of_measure(), scene.in_measured_part());
     let tolerance = scene.tolerance;
     let judged = format!(
-        "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what} in the first contact; estimated error of layerwise relative to solid: {}",
+        "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what}{part}; estimated error of layerwise relative to solid: {}",
         beside(error, THEORY_SHARE * tolerance)
     );
     let (over, share) = (watch.agreed(error / tolerance), THEORY_SHARE * tolerance);

@@ -119,9 +119,9 @@ fn is_held_away(support: &Support) -> bool {
 fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Model, String)>> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
     let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
-    // A half-space has no face on which a tension could reach a strength.
-    let needs_stress = scene.strength.is_given() || scene.measure == Measure::Stress;
-    if !scene.time.modal || is_patch_given || needs_stress || admits(scene, Theory::InfinitePlate).is_err() {
+    // A half-space has no face on which a tension could reach a strength, and it does not deflect.
+    let needs_body = scene.strength.is_given() || scene.measure != Measure::Acceleration;
+    if !scene.time.modal || is_patch_given || needs_body || admits(scene, Theory::InfinitePlate).is_err() {
         return Ok(None);
     }
     let (struck, impactor) = (scene.body.struck(), &scene.impactor);
@@ -143,11 +143,13 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     if error > 0.7 * scene.tolerance {
         return Ok(None);
     }
+    // (A half-space does not deflect.)
+    let errors = Errors { deflection: f64::NAN, ..Errors::throughout(error) };
     let model = Model::of(comm, scene, Theory::HalfSpace, watch)?;
     let reason = format!(
         "estimated error of a half-space: {error:.1e}, the sum of Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
-    Ok(Some((model.with_error(Cause::Theory, Errors::throughout(error)), reason)))
+    Ok(Some((model.with_error(Cause::Theory, errors), reason)))
 }
 
 /// Whether a box is slender enough for a plate theory.
@@ -287,9 +289,9 @@ impl Compared {
         let difference = thick.force.0.difference(&thin.force.0);
         let errors = part * difference;
         let (differ, error) = (difference.of(scene.measure), errors.of(scene.measure));
-        let of_what = scene.of_measure();
+        let (of_what, part) = (scene.of_measure(), scene.in_measured_part());
         let judged = format!(
-            "kirchhoff and mindlin differ by {differ:.1e}{of_what} in the first contact; estimated error of mindlin relative to solid: {}",
+            "kirchhoff and mindlin differ by {differ:.1e}{of_what}{part}; estimated error of mindlin relative to solid: {}",
             beside(error, THEORY_SHARE * scene.tolerance)
         );
         Self { errors, error_over_tolerance: watch.agreed(error / scene.tolerance), judged }

@@ -83,6 +83,9 @@ impl ModelDetails {
     }
 }
 
+/// Name of the attribute with the estimated error of the deflection.
+const DEFLECTION_ERROR: &str = "deflection_error_estimate";
+
 /// Cost and estimated error of a run: attributes of the root, created with the file and set at the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
@@ -100,6 +103,8 @@ pub struct Cost {
     pub solves: usize,
     /// Estimated error of the acceleration history divided by its peak; NaN if there is no estimate.
     pub error_estimate: f64,
+    /// Estimated error of the deflection under the impactor divided by its largest value; NaN if there is no estimate.
+    pub deflection_error_estimate: f64,
 }
 
 impl Cost {
@@ -112,15 +117,17 @@ impl Cost {
         newton_iterations: 0,
         solves: 0,
         error_estimate: f64::NAN,
+        deflection_error_estimate: f64::NAN,
     };
 
-    fn numbers(&self) -> [(&'static str, f64); 5] {
+    fn numbers(&self) -> [(&'static str, f64); 6] {
         [
             ("wall_time_model", self.model),
             ("wall_time_setup", self.setup),
             ("wall_time_steps", self.steps),
             ("wall_time_total", self.total),
             ("error_estimate", self.error_estimate),
+            (DEFLECTION_ERROR, self.deflection_error_estimate),
         ]
     }
 
@@ -150,6 +157,8 @@ impl Cost {
             newton_iterations: count("newton_iterations")?,
             solves: count("solves")?,
             error_estimate: number("error_estimate")?,
+            // Older results do not have it.
+            deflection_error_estimate: number(DEFLECTION_ERROR).unwrap_or(f64::NAN),
         })
     }
 

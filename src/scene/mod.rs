@@ -178,6 +178,15 @@ impl Scene {
             Measure::Acceleration => "",
             Measure::Stress if self.clamps_sections() => " of the tension under the impact point",
             Measure::Stress => " of the largest tension",
+            Measure::Deflection => " of the deflection and of the acceleration in the first contact",
+        }
+    }
+
+    /// Words that follow, for the part of the time history to which the tolerance applies.
+    pub fn in_measured_part(&self) -> &'static str {
+        match self.measure {
+            Measure::Acceleration | Measure::Stress => " in the first contact",
+            Measure::Deflection => "",
         }
     }
 

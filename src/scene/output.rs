@@ -31,13 +31,15 @@ impl Output {
     }
 }
 
-/// Quantity to which `accuracy.tolerance` applies: its error over its peak in the first contact.
+/// Quantity to which `accuracy.tolerance` applies: its error over its peak.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// Acceleration of the impactor.
+    /// Acceleration of the impactor, in the first contact.
     Acceleration,
-    /// Largest tension on the faces.
+    /// Largest tension on the faces, in the first contact.
     Stress,
+    /// Deflection under the impactor over the whole time history, and the acceleration in the first contact.
+    Deflection,
 }
 
 /// A point of the body that is recorded.

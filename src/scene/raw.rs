@@ -26,7 +26,7 @@ pub(super) const INITIALS: [&str; 2] = ["rest", "equilibrium"];
 /// Values of `time.scheme`. The first is the default for bodies without modes.
 pub(super) const SCHEMES: [&str; 5] = ["newmark", "generalized-alpha", "energy", "central-difference", "modal"];
 /// Values of `accuracy.quantity`.
-pub(super) const QUANTITIES: [&str; 2] = ["acceleration", "stress"];
+pub(super) const QUANTITIES: [&str; 3] = ["acceleration", "stress", "deflection"];
 /// Values of `solver.newton`.
 pub(super) const NEWTONS: [&str; 2] = ["condensed", "full"];
 
@@ -308,9 +308,10 @@ pub(super) struct Time {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [accuracy]")]
 pub(super) struct Accuracy {
-    /// Error of the quantity over its peak in the first contact, 1e-6 to 0.5; default 1e-2.
+    /// Error of the quantity over its peak, 1e-6 to 0.5; default 1e-2.
     pub tolerance: Option<Number>,
-    /// "acceleration" (default), or "stress": the largest tension.
+    /// "acceleration" (default); "stress": the largest tension; "deflection": the acceleration, and the deflection in
+    /// the whole run.
     #[schemars(extend("enum" = QUANTITIES))]
     pub quantity: Option<String>,
 }

@@ -16,6 +16,8 @@ pub struct Ran {
     pub contacts: Vec<Episode>,
     /// Estimated error of the whole time history.
     pub error: f64,
+    /// Estimated error of the deflection under the impactor.
+    pub deflection_error: f64,
     pub unknowns: usize,
     pub vectors: Option<usize>,
 }
@@ -43,8 +45,9 @@ pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
     });
     assert!(flow.unwrap_or_else(|error| panic!("{error}")).is_continue());
     comm.collect_garbage().unwrap();
-    let error = simulation.error().total().map_or(f64::NAN, |errors| errors.history);
-    Ran { theory, steps, contacts: episodes.all().to_vec(), error, unknowns, vectors }
+    let [error, deflection_error] =
+        simulation.error().total().map_or([f64::NAN; 2], |errors| [errors.history, errors.deflection]);
+    Ran { theory, steps, contacts: episodes.all().to_vec(), error, deflection_error, unknowns, vectors }
 }
 
 impl Ran {

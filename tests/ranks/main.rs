@@ -64,6 +64,7 @@ mod model {
     pub mod agreement;
     pub mod beside_hit;
     pub mod converged;
+    pub mod deflection;
     pub mod estimates;
     pub mod independent;
     pub mod reduction;
@@ -142,6 +143,7 @@ fn main() -> ExitCode {
         model::beside_hit,
         model::select_theory,
         model::converged,
+        model::deflection,
         model::estimates,
         model::independent,
         model::reduction,

@@ -20,19 +20,24 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
     }
     if let Some(errors) = model.error.total() {
         let causes = listed(&model.error.causes());
-        // If the error of stresses is not estimated, the tolerance applies to the acceleration, as a note says.
+        // If the error of another quantity is not estimated, the tolerance applies to the acceleration, as a note says.
         let of_what = match scene.measure {
-            Measure::Stress if !errors.stress.is_nan() => format!("{} by {causes}", scene.of_measure()),
+            Measure::Stress | Measure::Deflection if !errors.own(scene.measure).is_nan() => {
+                format!("{} by {causes}", scene.of_measure())
+            }
             _ => format!(" of {causes}"),
         };
-        let error = errors.of(scene.measure);
-        words += &format!("; estimated error{of_what} {} of the peak in the first contact", estimated(error));
+        let (error, part) = (errors.of(scene.measure), scene.in_measured_part());
+        words += &format!("; estimated error{of_what} {} of the peak{part}", estimated(error));
     }
     words
 }
 
 /// Error over the whole history relative to the error in the first contact, above which later times are more sensitive.
 const GROWTH: f64 = 1.2;
+
+/// Error of the deflection over its largest value, above which a run says how to lower it.
+const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
 
 /// Error in the first contact over the peak, above which a time history is of no use.
 pub const USELESS: f64 = 0.5;
@@ -44,11 +49,11 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let is_good = |error: &f64| *error <= tolerance;
     let estimate = model.error_before_steps();
     let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
-    let of_what = scene.of_measure();
+    let (of_what, part) = (scene.of_measure(), scene.in_measured_part());
     let causes = estimate.causes();
     let of = listed(&causes);
     let message = format!(
-        "the estimated error{of_what} in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
+        "the estimated error{of_what}{part} is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          what may lower it: {}",
         beside(error, tolerance),
         remedies(&estimate.causes_to_mend(scene.measure, tolerance), scene)
@@ -64,14 +69,22 @@ pub struct Verdict {
     pub is_useless: bool,
 }
 
-/// Note that the tolerance applies to the acceleration, if the error of stresses is not estimated.
+/// Note that the tolerance applies to the acceleration, if the error of another quantity is not estimated.
 pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
-    let has_none = model.error.total().is_none_or(|errors| errors.stress.is_nan());
-    (scene.measure == Measure::Stress && has_none).then(|| {
-        "the error of stresses is not estimated for this body: accuracy.tolerance is for the acceleration here (plates and splines in modal \
-         coordinates, hit at least a thickness from an edge, have an estimate)"
-            .to_owned()
-    })
+    if model.error.total().is_some_and(|errors| !errors.own(scene.measure).is_nan()) {
+        return None;
+    }
+    let (what, which) = match scene.measure {
+        Measure::Acceleration => return None,
+        Measure::Stress => (
+            "stresses",
+            "plates and splines in modal coordinates, hit at least a thickness from an edge, have an estimate",
+        ),
+        Measure::Deflection => ("the deflection", "bodies in modal coordinates have an estimate"),
+    };
+    Some(format!(
+        "the error of {what} is not estimated for this body: accuracy.tolerance is for the acceleration here ({which})"
+    ))
 }
 
 /// Notes on errors above the tolerance, including the errors of the time steps. The error before the steps has its own
@@ -101,6 +114,21 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             remedies_of_stress()
         ));
     }
+    if measure == Measure::Deflection && !was_warned && errors.deflection > tolerance {
+        missed.push(format!(
+            "the estimated error of the deflection over the whole history is {} with that of the steps, above accuracy.tolerance = {tolerance:e}; \
+             what may lower it: {}",
+            beside(errors.deflection, tolerance),
+            remedies(&estimate.causes_to_mend(measure, tolerance), scene)
+        ));
+    }
+    if measure != Measure::Deflection && errors.deflection > LARGE_ERROR_OF_DEFLECTION {
+        missed.push(format!(
+            "the estimated error of the deflection under the impactor over the whole history is {} of its largest value, and elsewhere on the body \
+             it may be as large: accuracy.tolerance is for another quantity; what may lower it: accuracy.quantity = \"deflection\"",
+            estimated(errors.deflection)
+        ));
+    }
     // The verdict has named an error that hardly grows after the first contact.
     let grows = errors.history > GROWTH * errors.first_contact;
     let is_told = was_warned && measure == Measure::Acceleration && !grows;
@@ -110,6 +138,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
         let (of_what, scope) = match measure {
             Measure::Acceleration => ("", ", which is for the first contact"),
             Measure::Stress => (" of the acceleration", "; stresses are estimated in the first contact alone"),
+            Measure::Deflection => (" of the acceleration", ", which is for its first contact and the deflection"),
         };
         let step = match scene.time.step {
             Some(_) => "; the error of the given time.step is not included",
@@ -196,7 +225,7 @@ mod tests {
 
     #[test]
     fn a_tolerance_for_stresses_is_held_against_stresses() {
-        let errors = |history: f64, stress: f64| Errors { first_contact: 1e-3, history, stress };
+        let errors = |history: f64, stress: f64| Errors { first_contact: 1e-3, history, stress, deflection: 1e-3 };
         let told = |errors: Errors, measure: Measure, was_warned: bool| {
             let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
             let largest = LargestTension { error_estimate: errors.stress, ..LargestTension::default() };
@@ -220,7 +249,7 @@ mod tests {
     #[test]
     fn a_tolerance_for_stresses_is_for_what_is_estimated() {
         for (stress, is_above) in [(2e-2, true), (9e-3, false)] {
-            let errors = Errors { first_contact: 1e-3, history: 1e-3, stress };
+            let errors = Errors { first_contact: 1e-3, history: 1e-3, stress, deflection: 1e-3 };
             let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
             let scene = Scene { measure: Measure::Stress, ..pane("") };
             for was_warned in [true, false] {

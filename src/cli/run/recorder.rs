@@ -69,7 +69,8 @@ impl Recorder {
         if end.has_summary {
             let first_end = episodes.all().first().map(|first| first.end);
             let why = |largest: &LargestTension| Some(notes::why_unestimated(scene, largest));
-            let largest = extremes.map_or_else(Vec::new, |extremes| lines(&extremes, first_end, why));
+            let largest = extremes
+                .map_or_else(Vec::new, |extremes| lines(&extremes, end.cost.deflection_error_estimate, first_end, why));
             self.summary.print(&episodes, &largest, end.cost, &judged(scene, end.estimate), end.output);
         }
         if let Some(warning) = self.summary.warning() {

@@ -122,6 +122,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     fn count_errors(&mut self, error: Errors) {
         self.count.error = Some(error.history);
         self.count.stress_error = Some(error.stress).filter(|error| !error.is_nan());
+        self.count.deflection_error = Some(error.deflection).filter(|error| !error.is_nan());
     }
 
     /// Repeats a run without a contact with all modes if loads move the body: the modes that the steps do not resolve

@@ -288,6 +288,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
+            let surface = motion.state.impactor[0] - gap - motion.approach;
+            done.trace
+                .push_deflection(time, surface + modes.residual * motion.force + motion.state.settled * modes.rest);
             if let Some(tension) = of_hit.as_ref().filter(|_| time <= done.trace.needs_tension_until()) {
                 done.trace.push_tension(time, tension.at(&motion));
             }

@@ -7,6 +7,9 @@ use crate::scheme::modal::quadratic;
 /// that do not change their peaks.
 const NEAR_PEAK: f64 = 0.9;
 
+/// Number of deflections between which one is interpolated: by a cubic polynomial.
+const INTERPOLATED: usize = 4;
+
 /// Contact force F(t) on the modelled part, N, with the tension opposite the impact point.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
@@ -14,6 +17,8 @@ pub struct Trace {
     steps: Vec<(f64, f64, [f64; 3])>,
     /// Time (s) and tension on the face opposite the impact point (Pa), if it is read.
     tension: Vec<(f64, f64)>,
+    /// Time (s) and displacement of the surface under the impactor (m) at the ends of the steps, if it is read.
+    deflection: Vec<(f64, f64)>,
     /// Whether there has been a force, and the end of the first contact, s.
     has_touched: bool,
     end: Option<f64>,
@@ -38,6 +43,11 @@ impl Trace {
     /// Adds a tension (Pa) at a time (s).
     pub fn push_tension(&mut self, time: f64, tension: f64) {
         self.tension.push((time, tension));
+    }
+
+    /// Adds the displacement of the surface under the impactor (m) at the end of a step (s).
+    pub fn push_deflection(&mut self, time: f64, deflection: f64) {
+        self.deflection.push((time, deflection));
     }
 
     /// Whether there was a contact force at any time.
@@ -82,11 +92,27 @@ impl Trace {
         near_peak.map(|(one, another)| (one - another).abs() / most).fold(0.0, f64::max)
     }
 
+    /// Largest difference in deflection to another trace, relative to the largest deflection of this one. NaN if a trace
+    /// has too few deflections.
+    fn difference_of_deflection(&self, other: &Self) -> f64 {
+        if self.deflection.len().min(other.deflection.len()) < INTERPOLATED {
+            return f64::NAN;
+        }
+        let largest = self.deflection.iter().fold(f64::MIN_POSITIVE, |most, (_, value)| most.max(value.abs()));
+        let off = |one: &Self, another: &Self| {
+            let mut there = Cursor::default();
+            let off = one.deflection.iter().map(|(time, value)| (value - there.deflection(another, *time)).abs());
+            off.fold(0.0, f64::max)
+        };
+        off(self, other).max(off(other, self)) / largest
+    }
+
     /// Largest difference to another trace, relative to the peak of this one, at the middles and ends of the steps of
     /// both.
     pub fn difference(&self, other: &Self) -> Errors {
         Errors {
             stress: self.difference_of_tension(other),
+            deflection: self.difference_of_deflection(other),
             ..self.off_at_steps_of(self, other).max(self.off_at_steps_of(other, self))
         }
     }
@@ -95,7 +121,11 @@ impl Trace {
     /// ends of the longer steps. There the longer steps satisfy the contact law; between these points their quadratics
     /// have larger errors.
     pub fn difference_at_steps(&self, longer: &Self) -> Errors {
-        Errors { stress: self.difference_of_tension(longer), ..self.off_at_steps_of(longer, self) }
+        Errors {
+            stress: self.difference_of_tension(longer),
+            deflection: self.difference_of_deflection(longer),
+            ..self.off_at_steps_of(longer, self)
+        }
     }
 
     /// Largest difference in force between two traces, relative to the peak of `self`, at the middles and ends of the
@@ -142,6 +172,18 @@ impl Cursor {
         let next = self.pass(&trace.steps, |(begin, _, _)| *begin <= time);
         let Some((begin, step, force)) = trace.steps.get(next.saturating_sub(1)) else { return 0.0 };
         quadratic(*force, ((time - begin) / step).clamp(0.0, 1.0))
+    }
+
+    /// Deflection at a time (s), m, by the polynomial through the four nearest ends of steps; at least four are known.
+    fn deflection(&mut self, trace: &Trace, time: f64) -> f64 {
+        let known = &trace.deflection;
+        let next = self.pass(known, |(at, _)| *at < time);
+        let first = next.saturating_sub(INTERPOLATED / 2).min(known.len() - INTERPOLATED);
+        let nodes = &known[first..first + INTERPOLATED];
+        let weight = |at: f64| -> f64 {
+            nodes.iter().filter(|(other, _)| *other != at).map(|(other, _)| (time - other) / (at - other)).product()
+        };
+        nodes.iter().map(|(at, value)| weight(*at) * value).sum()
     }
 
     /// Tension at a time (s), Pa, by linear interpolation; NaN if the trace has no tension.

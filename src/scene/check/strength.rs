@@ -48,6 +48,7 @@ pub(super) fn measure(source: &Source, raw: &raw::Scene) -> Result<Measure, Scen
     let key = "accuracy.quantity";
     match word(source, key, &raw.accuracy.quantity, &raw::QUANTITIES)? {
         "acceleration" => Ok(Measure::Acceleration),
+        "deflection" => Ok(Measure::Deflection),
         _ if raw.output.stress == Some(false) => {
             let help = "\"acceleration\", or `output.stress = true`".into();
             Err(source.conflict(key, "output.stress", "stresses are not read".into(), help))
