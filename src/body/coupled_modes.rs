@@ -260,10 +260,10 @@ fn of_first_order(
     let dependent = || {
         let message = match springs.is_empty() {
             true => {
-                "the dampers leave the body without independent modes (critical damping): another damping, or another time.scheme"
+                "the dampers leave the body without independent modes (critical damping): try another damping, or another time.scheme"
             }
             false => {
-                "the body's relaxation leaves it without independent modes: another time.scheme, or another temperature"
+                "the body's relaxation leaves it without independent modes: try another time.scheme, or another temperature"
             }
         };
         Error::Solve(message.into())

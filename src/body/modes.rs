@@ -345,9 +345,9 @@ impl Spectrum {
         let is_coupled = self.damping.is_some() || !relaxations.is_empty();
         let (mut modes, mut damped, inputs) = if is_coupled {
             let damping = self.damping.as_ref().map(block);
-            // Coupled modes displace each other, so that no factor on a shape would remove a weight √g. They have the
-            // weight g on their input alone. Their static response to the share 1 − g of the force is added to the
-            // shapes.
+            // Coupled modes move each other, so that scaling a shape would not remove a weight √g. They have the weight g
+            // on their input alone. Their static response to the remaining share 1 − g of the force is added to the
+            // shape of the modes that are left out.
             let mut input = force.clone();
             if let Some(ShortWaves { weights, .. }) = &self.short_waves {
                 input.component_mul_assign(&of_moving(weights));

@@ -127,7 +127,7 @@ pub fn vectors_over_one_shift(shifts: usize) -> f64 {
 pub(super) struct Source {
     /// Start vector: the contact force vector a, the loads, or the load vector of a foundation.
     pub start: Columns,
-    /// Numbers of the shifts at which vectors are made from it.
+    /// Numbers of the shifts at which vectors are made from the start vector.
     pub shifts: Range<usize>,
     /// One chain of vectors for each of these shifts.
     pub chains: Vec<Chain>,

@@ -5,8 +5,8 @@ use nalgebra::{Complex, DVector};
 use super::infinite_plate::weight;
 use super::{Mode, Projection};
 
-/// Weight g of the vibrations that only stresses and displacements are read from. The contact force does not move them,
-/// but dampers and relaxation couple them with others.
+/// Weight g of the vibrations that only stresses and displacements are read from. The contact force does not move them.
+/// Coupled modes may move them through dampers or relaxation.
 const READ_ONLY: f64 = 1e-12;
 
 /// Damping ratio of these vibrations, if they are not coupled. They are sparser than the modes of the plate at their

@@ -6,8 +6,8 @@ use crate::error::Result;
 /// Number of vectors of the bases from which the lowest frequency is computed.
 const VECTORS: usize = 10;
 
-/// Number of these bases. Each is made at the lowest frequency of the one before it, the first at the shift of the
-/// impact, which may be far above.
+/// Number of these bases, made in turn. The shift of the first is that of the impact, which may be far above the lowest
+/// frequency. The shift of the next is the lowest frequency of the first.
 const BASES: usize = 2;
 
 /// Ratio to the largest ω² of a basis below which an ω² is that of a free motion, with rounding.
@@ -18,8 +18,8 @@ const FREE_MOTION: f64 = 1e-12;
 pub struct Start {
     /// Shift s, 1/s.
     pub shift: f64,
-    /// Shift of the vectors that follow from the loads, 1/s; `None` for the same shift. Loads excite
-    /// slow motions, which vectors at the shift of an impact represent poorly.
+    /// Shift of the vectors that are made from sudden loads, 1/s; `None` for the same shift. Loads excite slow motions,
+    /// which vectors at the shift of an impact represent poorly.
     pub loads_shift: Option<f64>,
     /// Length of the run, s.
     pub end: f64,
@@ -40,8 +40,8 @@ impl From<f64> for Start {
     }
 }
 
-/// Returns the shift of the vectors that follow from the loads, 1/s: about the lowest frequency of the body, apart from
-/// free motions. `None` if loads excite no waves, because there are none or the motion starts from equilibrium, or if all
+/// Returns the shift of the vectors that are made from sudden loads, 1/s: about the lowest frequency of the body, apart
+/// from free motions. `None` if there are no such loads, because the body has none or starts from equilibrium, or if all
 /// motions are free. Collective.
 ///
 /// # Errors

@@ -170,7 +170,8 @@ pub fn is_outside_first_contact(time: f64, first_end: Option<f64>) -> bool {
 }
 
 /// Lines with the largest values of a run, without the acceleration. `deflection_error` is the estimated error of the
-/// deflection, NaN if it is unknown. `first_end` is the end of the first contact, s, if there was one. `why` returns the reason for which the error of the largest tension is not estimated, if it is known.
+/// deflection, NaN if it is unknown. `first_end` is the end of the first contact, s, if there was one. `why` returns
+/// the reason why the error of the largest tension is not estimated, if it is known.
 pub fn lines(
     extremes: &Extremes,
     deflection_error: f64,

@@ -78,8 +78,9 @@ impl Errors {
         Self { first_contact: error, history: error, stress: error, deflection: error }
     }
 
-    /// Error of the quantity that the tolerance applies to; of the acceleration and the deflection, if it applies to
-    /// both. If the error of this quantity is not estimated, it is the error of the acceleration in the first contact.
+    /// Error of the quantity that the tolerance applies to. For [`Measure::Deflection`] it is the larger error of the
+    /// deflection and of the acceleration in the first contact. If the error of the quantity is not estimated, it is the
+    /// error of the acceleration in the first contact.
     pub fn of(&self, measure: Measure) -> f64 {
         match self.own(measure) {
             unknown if unknown.is_nan() => self.first_contact,

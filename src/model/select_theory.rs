@@ -119,7 +119,7 @@ fn is_held_away(support: &Support) -> bool {
 fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Model, String)>> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
     let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
-    // A half-space has no face on which a tension could reach a strength, and it does not deflect.
+    // A half-space has no face on which a tension could reach a strength, and no deflection but the indentation.
     let needs_body = scene.strength.is_given() || scene.measure != Measure::Acceleration;
     if !scene.time.modal || is_patch_given || needs_body || admits(scene, Theory::InfinitePlate).is_err() {
         return Ok(None);
@@ -143,7 +143,7 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     if error > 0.7 * scene.tolerance {
         return Ok(None);
     }
-    // (A half-space does not deflect.)
+    // (A half-space has no deflection but the indentation.)
     let errors = Errors { deflection: f64::NAN, ..Errors::throughout(error) };
     let model = Model::of(comm, scene, Theory::HalfSpace, watch)?;
     let reason = format!(

@@ -178,11 +178,13 @@ impl Scene {
             Measure::Acceleration => "",
             Measure::Stress if self.clamps_sections() => " of the tension under the impact point",
             Measure::Stress => " of the largest tension",
-            Measure::Deflection => " of the deflection and of the acceleration in the first contact",
+            Measure::Deflection => {
+                " of the deflection or of the acceleration in the first contact, whichever is larger,"
+            }
         }
     }
 
-    /// Words that follow, for the part of the time history to which the tolerance applies.
+    /// Words for the part of the time history to which the tolerance applies; empty if [`Self::of_measure`] has them.
     pub fn in_measured_part(&self) -> &'static str {
         match self.measure {
             Measure::Acceleration | Measure::Stress => " in the first contact",

@@ -308,7 +308,7 @@ pub(super) struct Time {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [accuracy]")]
 pub(super) struct Accuracy {
-    /// Error of the quantity over its peak, 1e-6 to 0.5; default 1e-2.
+    /// Largest error of the quantity over its peak, 1e-6 to 0.5; default 1e-2.
     pub tolerance: Option<Number>,
     /// "acceleration" (default); "stress": the largest tension; "deflection": the acceleration, and the deflection in
     /// the whole run.

@@ -80,7 +80,9 @@ pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
             "stresses",
             "plates and splines in modal coordinates, hit at least a thickness from an edge, have an estimate",
         ),
-        Measure::Deflection => ("the deflection", "bodies in modal coordinates have an estimate"),
+        Measure::Deflection => {
+            ("the deflection", "bodies in modal coordinates, time.scheme = \"modal\", have an estimate")
+        }
     };
     Some(format!(
         "the error of {what} is not estimated for this body: accuracy.tolerance is for the acceleration here ({which})"
@@ -116,16 +118,18 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     }
     if measure == Measure::Deflection && !was_warned && errors.deflection > tolerance {
         missed.push(format!(
-            "the estimated error of the deflection over the whole history is {} with that of the steps, above accuracy.tolerance = {tolerance:e}; \
-             what may lower it: {}",
+            "the estimated error of the deflection under the impactor, including that of the steps, is {} of its largest value, \
+             above accuracy.tolerance = {tolerance:e}; what may lower it: {}",
             beside(errors.deflection, tolerance),
             remedies(&estimate.causes_to_mend(measure, tolerance), scene)
         ));
     }
     if measure != Measure::Deflection && errors.deflection > LARGE_ERROR_OF_DEFLECTION {
+        let applies = if measure == Measure::Stress { "largest tension" } else { "acceleration" };
         missed.push(format!(
-            "the estimated error of the deflection under the impactor over the whole history is {} of its largest value, and elsewhere on the body \
-             it may be as large: accuracy.tolerance is for another quantity; what may lower it: accuracy.quantity = \"deflection\"",
+            "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value. \
+             Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only; \
+             accuracy.quantity = \"deflection\" may lower this error",
             estimated(errors.deflection)
         ));
     }
@@ -138,7 +142,10 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
         let (of_what, scope) = match measure {
             Measure::Acceleration => ("", ", which is for the first contact"),
             Measure::Stress => (" of the acceleration", "; stresses are estimated in the first contact alone"),
-            Measure::Deflection => (" of the acceleration", ", which is for its first contact and the deflection"),
+            Measure::Deflection => (
+                " of the acceleration",
+                "; it applies to the deflection and, in the first contact, to the acceleration",
+            ),
         };
         let step = match scene.time.step {
             Some(_) => "; the error of the given time.step is not included",

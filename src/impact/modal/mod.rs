@@ -268,6 +268,11 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         if let Some(recorder) = &mut recorder {
             recorder.record(0, &motion);
         }
+        let deflection = |motion: &Motion| {
+            let surface = motion.state.impactor[0] - gap - motion.approach;
+            surface + modes.residual * motion.force + motion.state.settled * modes.rest
+        };
+        done.trace.push_deflection(0.0, deflection(&motion));
         let mut number = 0;
         // A remaining time within rounding of the end counts as zero.
         while self.end - motion.state.time > 1e-12 * self.end {
@@ -288,9 +293,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
-            let surface = motion.state.impactor[0] - gap - motion.approach;
-            done.trace
-                .push_deflection(time, surface + modes.residual * motion.force + motion.state.settled * modes.rest);
+            done.trace.push_deflection(time, deflection(&motion));
             if let Some(tension) = of_hit.as_ref().filter(|_| time <= done.trace.needs_tension_until()) {
                 done.trace.push_tension(time, tension.at(&motion));
             }

@@ -7,7 +7,7 @@ use crate::scheme::modal::quadratic;
 /// that do not change their peaks.
 const NEAR_PEAK: f64 = 0.9;
 
-/// Number of deflections between which one is interpolated: by a cubic polynomial.
+/// Number of neighbouring values through which a cubic polynomial interpolates the deflection.
 const INTERPOLATED: usize = 4;
 
 /// Contact force F(t) on the modelled part, N, with the tension opposite the impact point.
@@ -92,8 +92,8 @@ impl Trace {
         near_peak.map(|(one, another)| (one - another).abs() / most).fold(0.0, f64::max)
     }
 
-    /// Largest difference in deflection to another trace, relative to the largest deflection of this one. NaN if a trace
-    /// has too few deflections.
+    /// Largest difference in deflection from another trace, relative to the largest deflection of this one. NaN if a
+    /// trace has too few deflections.
     fn difference_of_deflection(&self, other: &Self) -> f64 {
         if self.deflection.len().min(other.deflection.len()) < INTERPOLATED {
             return f64::NAN;
@@ -174,16 +174,12 @@ impl Cursor {
         quadratic(*force, ((time - begin) / step).clamp(0.0, 1.0))
     }
 
-    /// Deflection at a time (s), m, by the polynomial through the four nearest ends of steps; at least four are known.
+    /// Deflection at a time (s), m, by the polynomial through the four nearest ends of steps. The trace must have at least four.
     fn deflection(&mut self, trace: &Trace, time: f64) -> f64 {
         let known = &trace.deflection;
         let next = self.pass(known, |(at, _)| *at < time);
         let first = next.saturating_sub(INTERPOLATED / 2).min(known.len() - INTERPOLATED);
-        let nodes = &known[first..first + INTERPOLATED];
-        let weight = |at: f64| -> f64 {
-            nodes.iter().filter(|(other, _)| *other != at).map(|(other, _)| (time - other) / (at - other)).product()
-        };
-        nodes.iter().map(|(at, value)| weight(*at) * value).sum()
+        cubic(std::array::from_fn(|i| known[first + i]), time)
     }
 
     /// Tension at a time (s), Pa, by linear interpolation; NaN if the trace has no tension.
@@ -195,6 +191,20 @@ impl Cursor {
         };
         if b > a { before + (after - before) * ((time - a) / (b - a)).clamp(0.0, 1.0) } else { *after }
     }
+}
+
+/// Value at a time of the cubic polynomial through four points (time and value), by Lagrange's formula.
+fn cubic(points: [(f64, f64); INTERPOLATED], time: f64) -> f64 {
+    let [(a, _), (b, _), (c, _), (d, _)] = points;
+    let [to_a, to_b, to_c, to_d] = [a, b, c, d].map(|at| time - at);
+    let [ab, ac, ad, bc, bd, cd] = [a - b, a - c, a - d, b - c, b - d, c - d];
+    let weights = [
+        to_b * to_c * to_d / (ab * ac * ad),
+        -(to_a * to_c * to_d) / (ab * bc * bd),
+        to_a * to_b * to_d / (ac * bc * cd),
+        -(to_a * to_b * to_c) / (ad * bd * cd),
+    ];
+    points.iter().zip(weights).map(|((_, value), weight)| weight * value).sum()
 }
 
 #[cfg(test)]
@@ -219,6 +229,26 @@ mod tests {
         // Interpolation error of a sine by a quadratic: at most h³/(72 √3), with h = 0.4, and 0.4³/384·3 at a quarter.
         let everywhere = shorter.difference(&longer).history;
         assert!(everywhere > 1e-4 && everywhere < 0.4_f64.powi(3) / 72.0, "{everywhere}");
+    }
+
+    /// Two traces of one deflection in different steps differ by the interpolation only. A third one, larger by one part
+    /// in a hundred, differs by that. Traces with too few steps are not compared.
+    #[test]
+    fn deflections_are_compared_between_steps() {
+        let sampled = |step: f64, factor: f64| {
+            let mut trace = Trace::default();
+            (0..=(3.0 / step).round() as i32).map(|i| step * f64::from(i)).for_each(|time| {
+                trace.push_deflection(time, factor * time.sin());
+            });
+            trace
+        };
+        let (one, other, larger) = (sampled(0.1, 1.0), sampled(0.15, 1.0), sampled(0.15, 1.01));
+        let [same, off] = [&other, &larger].map(|trace| one.difference(trace).deflection);
+        // A cubic through four points at distances h has an error of at most h⁴/24.
+        let rounded = 0.15_f64.powi(4) / 24.0;
+        assert!(same > 0.0 && same < rounded, "{same:e}");
+        assert!((off - 0.01).abs() < 2.0 * rounded, "{off:e}");
+        assert!(one.difference(&sampled(1.5, 1.0)).deflection.is_nan());
     }
 
     /// A cursor gives the same values as a search in the whole trace, for times in any order.
