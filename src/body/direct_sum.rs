@@ -6,7 +6,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::Columns;
-use super::start::loads_shift;
 use super::{DiagonalSymmetry, Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
 use crate::error::Result;
 
@@ -32,8 +31,7 @@ impl DirectSum {
     /// Same as [`Krylov::new`].
     pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
         let start = start.into();
-        let part = |class| Krylov::new(class, Start { loads_shift: loads_shift(class, start)?, ..start });
-        let parts = body.classes().into_iter().map(part).collect::<Result<Vec<_>>>()?;
+        let parts = body.classes().into_iter().map(|class| Krylov::new(class, start)).collect::<Result<Vec<_>>>()?;
         let class_of = parts.iter().enumerate().flat_map(|(class, part)| vec![class; part.vectors()]).collect();
         let exchange = body.exchange().cloned();
         let of_parts = || parts.iter().map(|part| part.basis().rows()).sum();
@@ -62,22 +60,28 @@ impl DirectSum {
             self.class_of.resize(part.vectors(), 0);
             return Ok(());
         }
-        // Each class adds its part of the missing vectors at once.
-        let (classes, missing) = (self.parts.len(), vectors.saturating_sub(self.vectors()));
-        let mut made: Vec<usize> = self.parts.iter().map(Krylov::vectors).collect();
-        for (class, part) in self.parts.iter_mut().enumerate() {
-            let turns = (classes + class - self.turn) % classes;
-            part.grow(of_class[class], made[class] + (missing + classes - 1 - turns) / classes)?;
-        }
-        while self.parts.iter().zip(&made).any(|(part, made)| part.vectors() > *made) {
-            if self.parts[self.turn].vectors() > made[self.turn] {
-                self.class_of.push(self.turn);
-                made[self.turn] += 1;
+        // Each class adds its part of the missing vectors at once. Vectors that exhausted classes cannot add are added by
+        // the others, in further rounds.
+        while self.vectors() < vectors && !self.is_exhausted() {
+            let missing = vectors - self.vectors();
+            let mut made: Vec<usize> = self.parts.iter().map(Krylov::vectors).collect();
+            let able: Vec<usize> = (0..self.parts.len()).filter(|class| !self.parts[*class].is_exhausted()).collect();
+            // The classes add vectors in turn, beginning with the one whose turn it is.
+            let first = able.iter().position(|class| *class >= self.turn).unwrap_or(0);
+            for (place, &class) in able.iter().enumerate() {
+                let turns = (able.len() + place - first) % able.len();
+                let more = (missing + able.len() - 1 - turns) / able.len();
+                self.parts[class].grow(of_class[class], made[class] + more)?;
             }
-            self.turn = (self.turn + 1) % classes;
+            while self.parts.iter().zip(&made).any(|(part, made)| part.vectors() > *made) {
+                if self.parts[self.turn].vectors() > made[self.turn] {
+                    self.class_of.push(self.turn);
+                    made[self.turn] += 1;
+                }
+                self.turn = (self.turn + 1) % self.parts.len();
+            }
         }
-        // Vectors that exhausted classes could not add are added by the other classes.
-        if self.vectors() < vectors && !self.is_exhausted() { self.grow(body, vectors) } else { Ok(()) }
+        Ok(())
     }
 
     /// Returns the body projected onto the basis. Collective.

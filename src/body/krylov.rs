@@ -3,14 +3,13 @@
 //! The impactor interacts with the body only through the contact force vector a: one force in, one displacement out.
 //! The vectors
 //!
-//! q₁ = S⁻¹ a,  q_{j+1} = −S⁻¹ ((C + 2sM) q_j + M p_j),  S = K + sC + s²M,
+//! q₁ = S⁻¹ a,  q_{j+1} = S⁻¹ M q_j,  S = K + s²M,
 //!
 //! made orthonormal in M, span the response to a unit force near the shift s and its derivatives with respect to s, up
-//! to the number of vectors. Free motions, dampers and the dent under a static force are included (Z. Bai & Y. Su,
-//! SOAR: A second-order Arnoldi method for the solution of the quadratic eigenvalue problem, SIAM J. Matrix Anal. Appl.
-//! 26, 2005; without dampers the shift-and-invert Lanczos method of load-dependent Ritz vectors, E. L. Wilson, M.-W.
-//! Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10, 1982). Every vector is orthogonalised against all others twice,
-//! and K itself is projected.
+//! to the number of vectors. Free motions and the dent under a static force are included (the shift-and-invert Lanczos
+//! method of load-dependent Ritz vectors, E. L. Wilson, M.-W. Yuan & J. M. Dickens, Earthq. Eng. Struct. Dyn. 10, 1982).
+//! With dampers the vectors are those of a second-order Krylov space ([`DampedPairs`]). Every vector is orthogonalised
+//! against all others twice, and K itself is projected.
 //!
 //! For a viscoelastic body, S = K + G̃(s) D + sC + s²M contains the modulus at the shift s, and D is projected in
 //! addition to K. Bodies that differ only in the Prony series therefore share the basis. The instantaneous response and
@@ -21,12 +20,15 @@
 //! If the contact is short compared with the slow motions of the body, the basis lacks these motions. For an
 //! unsupported body, the first vector is therefore the translation, which K maps to zero.
 
+use nalgebra::DVector;
+
 use super::columns::Columns;
+use super::damped_pairs::DampedPairs;
 use super::direct::Precision;
 use super::lanczos::{Growing, Lanczos};
 use super::linear::{LinearBody, Operator, Properties};
 use super::projected::Projected;
-use super::shift::{Chain, Shift, Solver, Source, rates as shift_rates};
+use super::shift::{Chain, Shift, Solver, Source, rates};
 use super::{Projection, Start};
 use crate::error::Result;
 use crate::scene::Fault;
@@ -37,6 +39,16 @@ const EXHAUSTED: f64 = 1e-10;
 /// The same ratio for vectors computed with a factor in single precision.
 const EXHAUSTED_OF_SINGLE: f64 = 1e-5;
 
+/// Number of vectors from which the lowest frequency is computed, for the shift of loads.
+const VECTORS_FOR_LOWEST_FREQUENCY: usize = 20;
+
+/// Ratio to the largest ω² of a basis below which an ω² is that of a free motion, with rounding.
+const FREE_MOTION: f64 = 1e-12;
+
+/// Least shift of the vectors that are made from sudden loads, over the shift of the impact. With a smaller one, S of an
+/// unsupported body is almost singular.
+const LEAST_OF_LOADS: f64 = 1e-4;
+
 /// A growing basis, with the projection of the body onto it.
 pub struct Krylov {
     /// Shifts at which vectors are made, each with a solver. The first is the main shift; a viscoelastic body may have
@@ -46,8 +58,8 @@ pub struct Krylov {
     lanczos: Option<Lanczos>,
     /// Basis vectors, orthonormal in M.
     basis: Columns,
-    /// Vectors p at the first shift; only with dampers.
-    auxiliary: Columns,
+    /// Vectors with their companions, if the body has dampers.
+    damped: Option<DampedPairs>,
     projected: Projected,
     properties: Properties,
     /// Sources of vectors, used in turn.
@@ -74,7 +86,7 @@ impl Krylov {
     /// # Errors
     /// If the impact point is constrained along the impact direction, if S has no factor, or if a PETSc call fails.
     pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
-        let Start { shift, loads_shift, end, leaves_short_waves, in_blocks } = start.into();
+        let Start { shift, end, leaves_short_waves, in_blocks } = start.into();
         let properties = body.properties()?;
         let Properties { layout, held, equilibrium: rest, pushed, .. } = &properties;
         let is_damped = body.has(Operator::Damping);
@@ -87,30 +99,19 @@ impl Krylov {
         loads.into_iter().for_each(|loads| starts.append(loads));
         starts.zero_rows(held);
         let is_alone = starts.count() == 1;
-        let mut rates = shift_rates(&body.chains(), shift, end);
-        let at_impact = 0..rates.len();
-        let at_loads = match loads_shift.filter(|_| starts.count() > of_impact) {
-            Some(slow) => {
-                rates.extend(shift_rates(&body.chains(), slow, end));
-                at_impact.end..rates.len()
-            }
-            None => at_impact.clone(),
-        };
+        let rates = rates(&body.chains(), shift, end);
         let may_recur = in_blocks && !is_damped && rates.len() == 1 && is_alone && rest.is_none();
         // Single-precision vectors are orthogonalised in the end, and their rounding is small compared with a tolerance
         // that allows blocks.
         let precision = if may_recur { Precision::Single } else { Precision::Double };
         let shifts = Shift::all(body, &rates, precision)?;
-        let source = |number| {
-            let shifts = if number < of_impact { &at_impact } else { &at_loads };
-            Source::new(starts.range(number..number + 1), shifts.clone())
-        };
+        let source = |number| Source::new(starts.range(number..number + 1), 0..shifts.len());
         let sources: Vec<Source> = (0..starts.count()).map(source).collect();
         if sources[0].is_exhausted() {
             let message = "the body is held where it is hit, along the impact: it does not move there".to_owned();
             return Err(Fault::new("impactor.point", message, "`model = \"half-space\"`, or another point").into());
         }
-        let (mut basis, mut auxiliary) = (layout.clone(), layout.clone());
+        let mut basis = layout.clone();
         let translation = layout.one(properties.translation.clone());
         // (An antisymmetric class of motions has no translation.)
         let moves = translation.largest() > 0.0;
@@ -121,17 +122,17 @@ impl Krylov {
             if length > 0.0 {
                 first.scale(1.0 / length);
                 basis.append(first);
-                auxiliary.append(layout.zeros(usize::from(is_damped)));
             }
         }
         let is_recurrent = may_recur && matches!(shifts[0].solver, Solver::Direct(_));
         let recurrence = || Lanczos::new(body, &properties, &sources[0].start, &basis);
-        Ok(Self {
+        let of_loads = (starts.count() > of_impact).then(|| sources.len() - 1);
+        let mut krylov = Self {
             lanczos: is_recurrent.then(recurrence).transpose()?,
             projected: Projected::new(body),
             shifts,
             basis,
-            auxiliary,
+            damped: is_damped.then(|| DampedPairs::new(shift)),
             properties,
             sources,
             turn: 0,
@@ -139,7 +140,36 @@ impl Krylov {
             has_translation,
             // Other forces excite the modes through other vectors.
             leaves_short_waves: leaves_short_waves && is_alone,
-        })
+        };
+        if let Some(of_loads) = of_loads {
+            krylov.slow_down(body, of_loads, end)?;
+        }
+        Ok(krylov)
+    }
+
+    /// Gives the vectors that are made from sudden loads a shift of their own, at about the lowest frequency of the body:
+    /// loads excite slow motions, which vectors at the shift of an impact represent poorly. The frequency is that of a few
+    /// first vectors, which are then removed. Collective.
+    fn slow_down(&mut self, body: &dyn LinearBody, of_loads: usize, end: f64) -> Result<()> {
+        let (shift, first) = (self.shifts[0].rate, self.basis.count());
+        self.grow(body, first + VECTORS_FOR_LOWEST_FREQUENCY)?;
+        let squares = self.projection(body)?.stiffness_at_rate().symmetric_eigenvalues();
+        let is_vibration = |square: &f64| *square > FREE_MOTION * squares.max();
+        let lowest = squares.iter().copied().filter(is_vibration).min_by(f64::total_cmp).map_or(shift, f64::sqrt);
+        let mut slow = [lowest.clamp(LEAST_OF_LOADS * shift, shift)];
+        self.basis.agree(&mut slow);
+        let at_impact = 0..self.shifts.len();
+        self.shifts.extend(Shift::all(body, &rates(&body.chains(), slow[0], end), Precision::Double)?);
+        let at_loads = at_impact.end..self.shifts.len();
+        self.basis = self.basis.range(0..first);
+        self.projected = Projected::new(body);
+        self.damped = self.damped.as_ref().map(|_| DampedPairs::new(shift));
+        (self.turn, self.other) = (0, 0);
+        for (number, source) in self.sources.iter_mut().enumerate() {
+            let shifts = if number == of_loads { &at_loads } else { &at_impact };
+            *source = Source::new(source.start.clone(), shifts.clone());
+        }
+        Ok(())
     }
 
     /// Number of vectors so far.
@@ -174,8 +204,7 @@ impl Krylov {
     }
 
     fn add(&mut self, body: &dyn LinearBody) -> Result<()> {
-        let Self { shifts, basis, auxiliary, properties, sources, turn, other, has_translation, .. } = self;
-        let is_damped = body.has(Operator::Damping);
+        let Self { shifts, basis, damped, properties, sources, turn, other, has_translation, .. } = self;
         // The three-term recurrence requires a single source, a single shift, and no other vectors in the basis.
         let is_alone = sources.len() == 1 && shifts.len() == 1 && properties.equilibrium.is_none() && !*has_translation;
         while sources[*turn].is_exhausted() {
@@ -184,31 +213,23 @@ impl Krylov {
         let count = sources.len();
         let own = sources[*turn].next_chain();
         let Source { start, chains, shifts: of_source, .. } = &mut sources[*turn];
-        let (first, Shift { rate, solver }) = (shifts[0].rate, &mut shifts[of_source.start + own]);
-        let (rate, Chain { last, exhausted }) = (*rate, &mut chains[own]);
-        let (mut next, mut companion) = match last {
-            Some((number, momentum)) => {
-                let (number, mut known) = (*number, momentum.clone());
-                if is_damped {
-                    // p of a vector at this shift is p at the first shift plus the difference of the shifts times q.
-                    known.scale(rate + first);
-                    known.add(1.0, &body.apply(Operator::Damping, &basis.range(number..number + 1))?);
-                    known.add(1.0, &body.apply(Operator::Mass, &auxiliary.range(number..number + 1))?);
-                    known.scale(-1.0);
-                }
-                known.zero_rows(&properties.held);
-                (known, is_damped.then(|| basis.range(number..number + 1)))
-            }
-            None => (start.clone(), is_damped.then(|| basis.zeros(1))),
+        let Shift { rate, solver } = &mut shifts[of_source.start + own];
+        let Chain { last, exhausted } = &mut chains[own];
+        let mut next = match (&last, &damped) {
+            (None, _) => start.clone(),
+            (Some((_, momentum)), None) => momentum.clone(),
+            (Some((number, _)), Some(pairs)) => pairs.right_side(body, basis, *number, *rate)?,
         };
-        solver.solve_in_place(next.get_mut(0))?;
-        if let Some(companion) = companion.as_mut().filter(|_| rate != first) {
-            companion.add(rate - first, &next);
+        if last.is_some() {
+            next.zero_rows(&properties.held);
         }
-        let is_tied = !is_damped && is_alone && basis.count() >= LONG_BASIS;
+        solver.solve_in_place(next.get_mut(0))?;
+        let is_tied = damped.is_none() && is_alone && basis.count() >= LONG_BASIS;
         // M-norms before and after orthogonalisation. The latter follows by Pythagoras' theorem from the norm before
         // the second, small correction.
         let (mut before, mut length, mut momentum) = (0.0_f64, 0.0, basis.zeros(0));
+        // Coefficients of the vector in the basis; with dampers only.
+        let mut coefficients = DVector::zeros(basis.count() + 1);
         for pass in 0..2 {
             let near = if is_tied && pass == 0 { basis.count() - 2 } else { 0 };
             let near = near..basis.count();
@@ -216,27 +237,35 @@ impl Krylov {
             let norm = next.dot(&momentum).max(0.0).sqrt();
             let shares = basis.products_of(near.clone(), &momentum);
             next.subtract_of(basis, near.clone(), &shares);
-            if let Some(companion) = &mut companion {
-                companion.subtract_of(auxiliary, near, &shares);
-            }
+            coefficients.rows_range_mut(near).axpy(1.0, &shares.column(0), 1.0);
             if pass == 0 {
                 before = norm;
             }
             length = (norm * norm - shares.norm_squared()).max(0.0).sqrt();
         }
-        if length <= EXHAUSTED * before {
-            *exhausted = true;
+        let is_new = length > EXHAUSTED * before;
+        if let Some(pairs) = damped {
+            coefficients[basis.count()] = if is_new { length } else { 0.0 };
+            let number = pairs.push(last.as_ref().map(|(number, _)| *number), *rate, coefficients);
+            *exhausted = number.is_none();
+            *last = number.map(|number| (number, basis.zeros(0)));
+        } else {
+            *exhausted = !is_new;
+        }
+        if !is_new {
             return Ok(());
         }
         next.scale(1.0 / length);
-        if is_tied {
-            // The recurrence needs the product with the vector itself.
-            momentum = body.apply(Operator::Mass, &next)?;
-        } else {
-            // This neglects the second correction, which lies within the basis.
-            momentum.scale(1.0 / length);
+        if damped.is_none() {
+            if is_tied {
+                // The recurrence needs the product with the vector itself.
+                momentum = body.apply(Operator::Mass, &next)?;
+            } else {
+                // This neglects the second correction, which lies within the basis.
+                momentum.scale(1.0 / length);
+            }
+            *last = Some((basis.count(), momentum));
         }
-        *last = Some((basis.count(), momentum));
         // Every second vector comes from the contact force vector a. The other sources share the rest.
         *turn = if *turn == 0 && count > 1 {
             *other = 1 + *other % (count - 1);
@@ -244,10 +273,6 @@ impl Krylov {
         } else {
             0
         };
-        if let Some(mut companion) = companion {
-            companion.scale(1.0 / length);
-            auxiliary.append(companion);
-        }
         basis.append(next);
         Ok(())
     }

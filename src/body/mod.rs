@@ -10,6 +10,7 @@ mod common_basis;
 mod common_rates;
 mod coupled_classes;
 mod coupled_modes;
+mod damped_pairs;
 mod dense_solve;
 pub(crate) mod deviates;
 mod diagonal_symmetry;

@@ -137,7 +137,8 @@ pub(super) struct Source {
 
 /// Chain of vectors at one shift.
 pub(super) struct Chain {
-    /// Number of its last vector and M times this vector; `None` before the first vector.
+    /// Number of its last vector and M times this vector; with dampers the number of its last pair alone. `None` before the
+    /// first vector.
     pub last: Option<(usize, Columns)>,
     /// Whether the chain gives no new directions.
     pub exhausted: bool,

@@ -224,7 +224,10 @@ impl ErrorEstimate {
     #[must_use]
     pub fn with_patch(self, patch: Option<&Patch>) -> Self {
         match patch {
-            Some(patch) => self.with(Cause::Patch, Errors::throughout(patch.error())),
+            // The radius of the patch changes the peak of the force. Its effect on the deflection is not known.
+            Some(patch) => {
+                self.with(Cause::Patch, Errors { deflection: f64::NAN, ..Errors::throughout(patch.error()) })
+            }
             None => self,
         }
     }
@@ -250,6 +253,12 @@ impl ErrorEstimate {
     pub fn of_tension(&self) -> f64 {
         let has_cells = self.parts.iter().any(|(cause, _)| *cause == Cause::Cells);
         self.total().filter(|_| has_cells).map_or(f64::NAN, |errors| errors.stress)
+    }
+
+    /// Error of the deflection under the impactor; NaN unless the error of the basis is among the causes.
+    pub fn of_deflection(&self) -> f64 {
+        let has_basis = self.parts.iter().any(|(cause, _)| *cause == Cause::Basis);
+        self.total().filter(|_| has_basis).map_or(f64::NAN, |errors| errors.deflection)
     }
 
     /// Names of the causes to be mended if the total is above the tolerance: those whose error is at least a fifth of the

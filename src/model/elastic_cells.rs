@@ -220,9 +220,11 @@ fn found(
         if let Some(finer) = cells_of_grid(scene, theory, size).filter(|finer| *finer != cells) {
             // Histories with different contacts do not follow an order of convergence.
             let of_finer = coarse.errors_on_finer((cells, error), finer, &elastic, theory);
-            let history = if error.history <= scene.tolerance { of_finer.history } else { error.history };
+            let of_histories = if error.history <= scene.tolerance { of_finer } else { error };
+            let Errors { history, deflection, .. } = of_histories;
+            let of_finer = Errors { history, deflection, ..of_finer };
             if watch.decided(of_finer.of(scene.measure) <= CELL_SHARE * scene.tolerance) {
-                return Ok(Some(Found { size, error: Errors { history, ..of_finer }, vectors }));
+                return Ok(Some(Found { size, error: of_finer, vectors }));
             }
         }
         size *= FINER_CELL_FACTORS[1];

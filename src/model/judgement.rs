@@ -138,7 +138,8 @@ impl Rule<'_> {
             let near = projection.leading((HISTORY_BASIS_FRACTION * vectors as f64) as usize);
             let force = trials.force_in(trial.steps, &near)?.force;
             let rule = self.rule(self.of_larger(near.vectors()));
-            error.history = rule.errors(force.difference(&trial.force)).history;
+            let closer = rule.errors(force.difference(&trial.force));
+            (error.history, error.deflection) = (closer.history, closer.deflection);
         }
         Ok(error)
     }

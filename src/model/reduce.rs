@@ -247,7 +247,11 @@ pub fn reduce_from(
                     };
                     last = judgement.as_ref().map(|judgement| judgement.judged).or(last);
                     if let Some(judgement) = judgement.filter(|judgement| enough || judgement.is_met) {
-                        let error = rule.closer(judgement.error, &projection, &trial, &trials)?;
+                        let mut error = rule.closer(judgement.error, &projection, &trial, &trials)?;
+                        // Two bases that both lack the rotations of a free body agree and are wrong.
+                        if scene.rotates_freely() && scene.measure != Measure::Deflection {
+                            error.deflection = f64::NAN;
+                        }
                         tracing::info!(
                             vectors = count,
                             smaller = *smaller,

@@ -164,6 +164,15 @@ impl Scene {
         }
     }
 
+    /// Whether the impact makes the body rotate, and nothing holds it: there are no supports, and the hit is not at the
+    /// centre of a box.
+    pub fn rotates_freely(&self) -> bool {
+        let is_central = self
+            .struck_axis()
+            .is_some_and(|struck| (0..3).filter(|axis| *axis != struck).all(|axis| self.impactor.point[axis] == 0.0));
+        self.supports.is_empty() && !is_central
+    }
+
     /// Distance of the impact point from the nearest edge of the impacted face of a box, m; `None` for a mesh file.
     pub fn distance_to_edge(&self) -> Option<f64> {
         let (Geometry::Box { size, .. }, Some(struck)) = (&self.body.geometry, self.struck_axis()) else { return None };
@@ -178,9 +187,7 @@ impl Scene {
             Measure::Acceleration => "",
             Measure::Stress if self.clamps_sections() => " of the tension under the impact point",
             Measure::Stress => " of the largest tension",
-            Measure::Deflection => {
-                " of the deflection or of the acceleration in the first contact, whichever is larger,"
-            }
+            Measure::Deflection => " of the deflection (or of the acceleration in the first contact, if larger)",
         }
     }
 

@@ -1,6 +1,6 @@
 //! Remarks on estimated errors: of a model before a run, and of a result after it.
 
-use crate::impact::{ErrorEstimate, beside, estimated};
+use crate::impact::{Cause, ErrorEstimate, beside, estimated};
 use crate::model::{self, Model};
 use crate::record::stress::LargestTension;
 use crate::scene::{Geometry, Measure, Model as Theory, Reduction, Scene};
@@ -71,7 +71,11 @@ pub struct Verdict {
 
 /// Note that the tolerance applies to the acceleration, if the error of another quantity is not estimated.
 pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
-    if model.error.total().is_some_and(|errors| !errors.own(scene.measure).is_nan()) {
+    let known = match scene.measure {
+        Measure::Deflection => model.error.of_deflection(),
+        measure => model.error.total().map_or(f64::NAN, |errors| errors.own(measure)),
+    };
+    if !known.is_nan() {
         return None;
     }
     let (what, which) = match scene.measure {
@@ -80,9 +84,10 @@ pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
             "stresses",
             "plates and splines in modal coordinates, hit at least a thickness from an edge, have an estimate",
         ),
-        Measure::Deflection => {
-            ("the deflection", "bodies in modal coordinates, time.scheme = \"modal\", have an estimate")
-        }
+        Measure::Deflection => (
+            "the deflection",
+            "reduced plates and splines that the impactor touches, in modal coordinates, have an estimate",
+        ),
     };
     Some(format!(
         "the error of {what} is not estimated for this body: accuracy.tolerance is for the acceleration here ({which})"
@@ -116,22 +121,31 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             remedies_of_stress()
         ));
     }
-    if measure == Measure::Deflection && !was_warned && errors.deflection > tolerance {
+    let of_deflection = estimate.of_deflection();
+    if measure == Measure::Deflection && !was_warned && of_deflection > tolerance {
         missed.push(format!(
             "the estimated error of the deflection under the impactor, including that of the steps, is {} of its largest value, \
              above accuracy.tolerance = {tolerance:e}; what may lower it: {}",
-            beside(errors.deflection, tolerance),
+            beside(of_deflection, tolerance),
             remedies(&estimate.causes_to_mend(measure, tolerance), scene)
         ));
     }
-    if measure != Measure::Deflection && errors.deflection > LARGE_ERROR_OF_DEFLECTION {
+    if measure != Measure::Deflection && of_deflection > LARGE_ERROR_OF_DEFLECTION {
         let applies = if measure == Measure::Stress { "largest tension" } else { "acceleration" };
         missed.push(format!(
             "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value. \
              Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only; \
              accuracy.quantity = \"deflection\" may lower this error",
-            estimated(errors.deflection)
+            estimated(of_deflection)
         ));
+    }
+    let is_reduced = estimate.of(Cause::Basis).is_some();
+    if measure != Measure::Deflection && is_reduced && scene.rotates_freely() {
+        missed.push(
+            "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
+             accuracy.quantity = \"deflection\" includes them"
+                .to_owned(),
+        );
     }
     // The verdict has named an error that hardly grows after the first contact.
     let grows = errors.history > GROWTH * errors.first_contact;
@@ -210,7 +224,7 @@ pub fn why_unestimated(scene: &Scene, largest: &LargestTension) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::impact::{Cause, Errors};
+    use crate::impact::Errors;
 
     /// A pane; `more` has further keys of `[body]` or `[time]`, with the table's name.
     fn pane(more: &str) -> Scene {

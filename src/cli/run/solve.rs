@@ -108,7 +108,7 @@ pub(in crate::cli) fn solve(
         newton_iterations: count.iterations,
         solves: count.solves,
         error_estimate: estimate.total().map_or(f64::NAN, |errors| errors.history),
-        deflection_error_estimate: estimate.total().map_or(f64::NAN, |errors| errors.deflection),
+        deflection_error_estimate: estimate.of_deflection(),
     };
     let flow = stepped.as_ref().ok().copied();
     let end = End { cost: &cost, estimate: &estimate, output, has_summary, was_warned: announcement.poor.is_some() };

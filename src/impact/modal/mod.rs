@@ -272,7 +272,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let surface = motion.state.impactor[0] - gap - motion.approach;
             surface + modes.residual * motion.force + motion.state.settled * modes.rest
         };
-        done.trace.push_deflection(0.0, deflection(&motion));
+        done.trace.push_deflection(0.0, deflection(&motion), 0.0);
         let mut number = 0;
         // A remaining time within rounding of the end counts as zero.
         while self.end - motion.state.time > 1e-12 * self.end {
@@ -293,7 +293,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
                 break;
             }
             done.trace.push(time - taken.step, taken.step, taken.force);
-            done.trace.push_deflection(time, deflection(&motion));
+            done.trace.push_deflection(time, deflection(&motion), motion.state.impactor[0]);
             if let Some(tension) = of_hit.as_ref().filter(|_| time <= done.trace.needs_tension_until()) {
                 done.trace.push_tension(time, tension.at(&motion));
             }

@@ -10,6 +10,12 @@ const NEAR_PEAK: f64 = 0.9;
 /// Number of neighbouring values through which a cubic polynomial interpolates the deflection.
 const INTERPOLATED: usize = 4;
 
+/// Least length of a step, relative to the one before it, at whose end a deflection is added.
+const LEAST_STEP_RATIO: f64 = 1e-6;
+
+/// Least deflection that is compared, relative to the largest distance that the impactor moves.
+const LEAST_DEFLECTION: f64 = 1e-7;
+
 /// Contact force F(t) on the modelled part, N, with the tension opposite the impact point.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
@@ -19,6 +25,8 @@ pub struct Trace {
     tension: Vec<(f64, f64)>,
     /// Time (s) and displacement of the surface under the impactor (m) at the ends of the steps, if it is read.
     deflection: Vec<(f64, f64)>,
+    /// Largest distance that the impactor has moved, m.
+    travel: f64,
     /// Whether there has been a force, and the end of the first contact, s.
     has_touched: bool,
     end: Option<f64>,
@@ -45,9 +53,17 @@ impl Trace {
         self.tension.push((time, tension));
     }
 
-    /// Adds the displacement of the surface under the impactor (m) at the end of a step (s).
-    pub fn push_deflection(&mut self, time: f64, deflection: f64) {
-        self.deflection.push((time, deflection));
+    /// Adds the displacements of the surface under the impactor and of the impactor (m) at the end of a step (s). A step
+    /// that is far shorter than the one before it replaces its end, since the interpolation divides by it.
+    pub fn push_deflection(&mut self, time: f64, deflection: f64, impactor: f64) {
+        self.travel = self.travel.max(impactor.abs());
+        if let [.., (before, _), last] = &mut self.deflection[..]
+            && time - last.0 < LEAST_STEP_RATIO * (last.0 - *before)
+        {
+            *last = (time, deflection);
+        } else {
+            self.deflection.push((time, deflection));
+        }
     }
 
     /// Whether there was a contact force at any time.
@@ -93,12 +109,14 @@ impl Trace {
     }
 
     /// Largest difference in deflection from another trace, relative to the largest deflection of this one. NaN if a
-    /// trace has too few deflections.
+    /// trace has too few deflections, if there is no contact, or if the deflection is negligible compared with the
+    /// distance that the impactor moves.
     fn difference_of_deflection(&self, other: &Self) -> f64 {
-        if self.deflection.len().min(other.deflection.len()) < INTERPOLATED {
+        let largest = self.deflection.iter().fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
+        let is_short = self.deflection.len().min(other.deflection.len()) < INTERPOLATED;
+        if is_short || !(self.has_touched || other.has_touched) || largest <= LEAST_DEFLECTION * self.travel {
             return f64::NAN;
         }
-        let largest = self.deflection.iter().fold(f64::MIN_POSITIVE, |most, (_, value)| most.max(value.abs()));
         let off = |one: &Self, another: &Self| {
             let mut there = Cursor::default();
             let off = one.deflection.iter().map(|(time, value)| (value - there.deflection(another, *time)).abs());
@@ -236,9 +254,9 @@ mod tests {
     #[test]
     fn deflections_are_compared_between_steps() {
         let sampled = |step: f64, factor: f64| {
-            let mut trace = Trace::default();
+            let mut trace = Trace { has_touched: true, ..Trace::default() };
             (0..=(3.0 / step).round() as i32).map(|i| step * f64::from(i)).for_each(|time| {
-                trace.push_deflection(time, factor * time.sin());
+                trace.push_deflection(time, factor * time.sin(), 1.0);
             });
             trace
         };
@@ -249,6 +267,8 @@ mod tests {
         assert!(same > 0.0 && same < rounded, "{same:e}");
         assert!((off - 0.01).abs() < 2.0 * rounded, "{off:e}");
         assert!(one.difference(&sampled(1.5, 1.0)).deflection.is_nan());
+        // Nor are deflections that are rounding errors of the distance.
+        assert!(sampled(0.1, 1e-12).difference(&other).deflection.is_nan());
     }
 
     /// A cursor gives the same values as a search in the whole trace, for times in any order.
