@@ -245,7 +245,10 @@ impl Krylov {
         }
         let is_new = length > EXHAUSTED * before;
         if let Some(pairs) = damped {
-            coefficients[basis.count()] = if is_new { length } else { 0.0 };
+            match is_new {
+                true => coefficients[basis.count()] = length,
+                false => coefficients = coefficients.remove_row(basis.count()),
+            }
             let number = pairs.push(last.as_ref().map(|(number, _)| *number), *rate, coefficients);
             *exhausted = number.is_none();
             *last = number.map(|number| (number, basis.zeros(0)));
