@@ -65,7 +65,7 @@ impl DampedPairs {
         companion /= self.first;
         let mut pair = Pair { vector, companion };
         let length = pair.length();
-        // Classical Gram-Schmidt needs a second pass.
+        // The second pass removes the rounding of the first.
         for _ in 0..2 {
             for Pair { vector, companion } in &self.pairs {
                 let count = vector.len();

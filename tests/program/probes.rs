@@ -130,7 +130,7 @@ fn a_laminate_without_its_short_waves_relaxes_as_with_them() {
          [impactor]\nyoung = 210e9\npoisson = 0.3\nmass = 0.1\nradius = 0.015\nspeed = 4.0\n\
          [time]\nend = 5e-4\nstep = 2e-6\n[accuracy]\ntolerance = 2e-2\n"
     );
-    let worst = off_all_waves(&folder(&(scene + &probes(&[[0.0, 0.0, -0.00438]]))), 220, (COLUMNS[2], 0), 1e-4);
+    let worst = off_all_waves(&folder(&(scene + &probes(&[[0.0, 0.0, -0.00438]]))), 220, COLUMNS[2], 0, 1e-4);
     // 9.8e-3 was measured. With 300 vectors in the place of 220, the other basis changes by 6e-3.
     assert!(worst < 2.5e-2, "{worst:e}");
 }
@@ -145,23 +145,19 @@ fn a_damped_pane_without_its_short_waves_moves_as_with_them() {
          [impactor]\nyoung = 210e9\npoisson = 0.3\nmass = 0.1\nradius = 0.015\nspeed = 4.0\n\
          point = [0.05, 0.03, 0.003]\n[time]\nend = 6e-4\nstep = 2e-6\n[accuracy]\ntolerance = 2e-2\n";
     let scene = scene.to_owned() + &probes(&[[-0.15, -0.1, -0.003]]);
-    let worst = off_all_waves(&folder(&scene), 300, (COLUMNS[0], 2), 0.0);
+    let worst = off_all_waves(&folder(&scene), 300, COLUMNS[0], 2, 0.0);
     // 6.8e-3 was measured. With 400 vectors in the place of 300, the other basis changes by 2e-3.
     assert!(worst < 1.5e-2, "{worst:e}");
 }
 
-/// Runs the scene of a folder with a basis of long waves, and with one of `vectors` vectors, which has all waves. Returns
-/// the largest difference of one component of the first probe's column after a time (s), relative to its largest value.
-fn off_all_waves(
-    folder: &tempfile::TempDir,
-    vectors: usize,
-    (column, component_of): ((&str, &str), usize),
-    after: f64,
-) -> f64 {
+/// Runs the scene of a folder with a basis of long waves, and with one of `vectors` vectors, which has all waves.
+/// Returns the largest difference of the component `number` of the first probe's column after a time (s), relative to
+/// its largest value.
+fn off_all_waves(folder: &tempfile::TempDir, vectors: usize, column: (&str, &str), number: usize, after: f64) -> f64 {
     let [long, all] = [String::new(), format!("--set body.reduction={vectors}")].map(|reduction| {
         let result = solved(folder, if reduction.is_empty() { "long" } else { "all" }, 0, &reduction);
         let times = results::open(&result).dataset("series/time").unwrap().read_raw::<f64>().unwrap();
-        let values = component(&rows(&result, 0, column), component_of);
+        let values = component(&rows(&result, 0, column), number);
         (times.into_iter().zip(values).collect::<Vec<_>>(), text(&results::open(&result), "reduction"))
     });
     // Both have the same regular steps; the steps at which contacts begin and end are others.
