@@ -3,15 +3,18 @@
 
 use std::collections::BTreeMap;
 
-use crate::impact::{Plan, beside};
+use crate::impact::{Plan, beside, estimated};
 use crate::model::{Edges, edges, largest_linear};
 use crate::record::sweep::{Quantity, Status, SweepWriter};
-use crate::scene::{Scene, Source};
+use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, Remark, USELESS};
+use super::notes::{self, LARGE_ERROR_OF_DEFLECTION, Remark, USELESS};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
+
+/// What may lower the error of a member.
+const REMEDIES: &str = "if members share a basis, a smaller accuracy.tolerance lowers it; `ricochet check` of this member's scene shows other causes";
 
 /// Remarks on members, sorted by kind.
 #[derive(Default)]
@@ -23,6 +26,8 @@ pub struct Remarks {
 /// Facts about the scene of a member that decide on remarks about its results.
 pub struct MemberFacts {
     tolerance: f64,
+    /// Quantity that the tolerance applies to.
+    measure: Measure,
     /// End of the run, s.
     end: f64,
     edges: Edges,
@@ -35,6 +40,7 @@ impl MemberFacts {
     pub fn new(scene: &Scene) -> Self {
         Self {
             tolerance: scene.tolerance,
+            measure: scene.measure,
             end: scene.time.end,
             edges: edges(scene),
             has_strength: scene.strength.is_given(),
@@ -82,28 +88,46 @@ impl Remarks {
     /// member.
     pub fn of_results(writer: &SweepWriter, facts: &[MemberFacts]) -> Self {
         let mut all = Self::default();
-        for (member, MemberFacts { tolerance, end, edges, .. }) in facts.iter().enumerate() {
+        for (member, MemberFacts { tolerance, measure, end, edges, .. }) in facts.iter().enumerate() {
             if writer.status()[member] != Status::Done {
                 continue;
             }
             let of = |quantity| writer.quantity(quantity)[member];
             let (first, whole) = (of(Quantity::FirstContactError), of(Quantity::ErrorEstimate));
             let deflection = of(Quantity::DeflectionOverThickness);
+            let of_deflection = of(Quantity::DeflectionErrorEstimate);
             let remark = |kind: &str, size: f64, text: String| Remark { kind: kind.to_owned(), size, text };
             let of_first = format!(
                 "the estimated error in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e}",
                 beside(first, *tolerance)
             );
+            let (own, of_own) = match measure {
+                Measure::Acceleration => (f64::NAN, ""),
+                Measure::Stress => (of(Quantity::StressErrorEstimate), "the largest tension in the first contact"),
+                Measure::Deflection => (of_deflection, "the deflection under the impactor"),
+            };
+            if own > *tolerance {
+                let text = format!(
+                    "the estimated error of {of_own} is {} of its largest value, above accuracy.tolerance = {tolerance:e}: {REMEDIES}",
+                    beside(own, *tolerance)
+                );
+                all.warnings.add(member, remark("measured", own, text));
+            }
+            if *measure != Measure::Deflection && of_deflection > LARGE_ERROR_OF_DEFLECTION {
+                let text = format!(
+                    "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value; \
+                     accuracy.quantity = \"deflection\" may lower this error",
+                    estimated(of_deflection)
+                );
+                all.notes.add(member, remark("deflection's error", of_deflection, text));
+            }
             if first > USELESS {
                 let text = format!(
                     "{of_first}, and its results are of no use: `ricochet check` of this member's scene shows the causes of its error"
                 );
                 all.warnings.add(member, remark("useless", first, text));
             } else if first > *tolerance {
-                let text = format!(
-                    "{of_first}: if members share a basis, a smaller accuracy.tolerance lowers it; `ricochet check` of this member's scene shows other \
-                     causes"
-                );
+                let text = format!("{of_first}: {REMEDIES}");
                 all.warnings.add(member, remark("first contact", first, text));
             } else if whole > *tolerance {
                 let text = format!(

@@ -249,7 +249,7 @@ pub fn reduce_from(
                     if let Some(judgement) = judgement.filter(|judgement| enough || judgement.is_met) {
                         let mut error = rule.closer(judgement.error, &projection, &trial, &trials)?;
                         // Two bases that both lack the rotations of a free body agree and are wrong.
-                        if scene.rotates_freely() && scene.measure != Measure::Deflection {
+                        if scene.basis_may_lack_rotations() {
                             error.deflection = f64::NAN;
                         }
                         tracing::info!(

@@ -27,6 +27,9 @@ pub fn section(data: &Data) -> Section {
         rows.push(Fact::new("Estimated error in the first contact", error));
     }
     rows.push(Fact::new("Estimated error of the acceleration", acceleration_error(data).sentence()));
+    if let Some(estimate) = deflection_error(data) {
+        rows.push(Fact::new("Estimated error of the deflection under the impactor", estimate.sentence()));
+    }
     if let Some(stresses) = &data.stresses {
         rows.push(Fact::new("Estimated error of the largest tension", stress_error(data, stresses).sentence()));
     }
@@ -114,6 +117,13 @@ pub fn acceleration_error(data: &Data) -> Estimate {
 fn is_theory_left_out(data: &Data) -> bool {
     let is_named = |scene: &Scene| !matches!(scene.body.model, Model::Auto | Model::Solid);
     data.scene.as_ref().is_ok_and(is_named)
+}
+
+/// Estimated error of the deflection under the impactor; `None` if it is not estimated.
+pub fn deflection_error(data: &Data) -> Option<Estimate> {
+    let error = data.cost.deflection_error_estimate;
+    let of = "of its largest value, over the whole history".to_owned();
+    (!error.is_nan()).then(|| Estimate { value: percent(error), of })
 }
 
 /// Estimated error of the largest tension. The errors of tensions are estimated in the first contact only.

@@ -7,7 +7,7 @@ use crate::record::stress::Passed;
 use crate::scene::Model;
 
 use super::data::Data;
-use super::model::{Estimate, acceleration_error, stress_error};
+use super::model::{Estimate, acceleration_error, deflection_error, stress_error};
 use super::number::{ACCELERATION, FORCE, LENGTH, MASS, SPEED, STRESS, TIME, Units, computed, given, percent};
 use super::page::{Grade, KeyFigure, Summary, Verdict};
 use super::scene::sentence;
@@ -152,6 +152,9 @@ fn facts(data: &Data) -> Vec<KeyFigure> {
         add("Largest tension", computed(largest.value, STRESS), note);
         let Estimate { value, of } = stress_error(data, stresses);
         add("Estimated error of the tension", value, of);
+    }
+    if let Some(Estimate { value, of }) = deflection_error(data) {
+        add("Estimated error of the deflection", value, of);
     }
     let Estimate { value, of } = acceleration_error(data);
     add("Estimated error of the acceleration", value, of);

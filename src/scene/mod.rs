@@ -164,13 +164,14 @@ impl Scene {
         }
     }
 
-    /// Whether the impact makes the body rotate, and nothing holds it: there are no supports, and the hit is not at the
-    /// centre of a box.
-    pub fn rotates_freely(&self) -> bool {
+    /// Whether the basis may lack rotations of the body, so that the error of the deflection is unknown. The impact makes
+    /// the body rotate, nothing holds it, and the tolerance does not apply to the deflection, for which the basis has
+    /// these rotations.
+    pub fn basis_may_lack_rotations(&self) -> bool {
         let is_central = self
             .struck_axis()
             .is_some_and(|struck| (0..3).filter(|axis| *axis != struck).all(|axis| self.impactor.point[axis] == 0.0));
-        self.supports.is_empty() && !is_central
+        self.supports.is_empty() && !is_central && self.measure != Measure::Deflection
     }
 
     /// Distance of the impact point from the nearest edge of the impacted face of a box, m; `None` for a mesh file.

@@ -58,6 +58,7 @@ fn a_plate_in_modal_coordinates() {
             "by ricochet, the cheapest theory that meets the tolerance. Kirchhoff and mindlin differ by",
             "cells of splines",
             "Estimated error in the first contact",
+            "Estimated error of the deflection under the impactor",
             "Largest principal stress on each face",
             "lower face (opposite)",
             "The scene gives no strength.",

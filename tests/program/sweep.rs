@@ -161,6 +161,11 @@ fn a_family_answers_as_its_members() {
             exact[next - 1] + part * (exact[next] - exact[next - 1])
         };
         let of = |name: &str| numbers(&family, &format!("series/{n}/{name}"));
+        let largest = column(&single, "contact/surface_displacement").into_iter().fold(0.0, f64::max);
+        let [found, of_deflection] =
+            ["largest_deflection", "deflection_error_estimate"].map(|name| members(&family, name)[n]);
+        let off = (found / largest - 1.0).abs();
+        assert!(off < of_deflection && of_deflection < 5e-2, "{n}: {off:e} {of_deflection:e}");
         let (mut first, mut all) = (0.0_f64, 0.0_f64);
         for (time, found) in of("time").into_iter().zip(of("impactor/acceleration")) {
             let off = (found - at(time)).abs() / peak;
@@ -248,15 +253,20 @@ fn a_member_has_the_estimate_of_its_run() {
     {
         good(&folder, 0, &format!("sweep scene.toml {models} -o {out}"));
     }
-    let [named, of_auto] = ["named.h5", "auto.h5"].map(|name| members(&file(&folder, name), "error_estimate"));
     // With `auto` the theory is selected for all members, and its error is one of the parts.
-    for (model, estimate) in ["kirchhoff", "mindlin", auto].into_iter().zip([named[0], named[1], of_auto[0]]) {
+    for (model, sweep, member) in [("kirchhoff", "named.h5", 0), ("mindlin", "named.h5", 1), (auto, "auto.h5", 0)] {
         good(&folder, 0, &format!("run scene.toml --set body.model={model} -o run.h5"));
         let facts = good(&folder, 0, "info --json run.h5").stdout;
         let facts: serde_json::Value = serde_json::from_str(&facts).unwrap();
-        let own = facts["error_estimate"].as_f64().unwrap();
-        // The error of the time steps, a small part, is computed anew.
-        assert!((estimate / own - 1.0).abs() < 1e-3, "{model}: {estimate} {own}");
+        let of = |name: &str| members(&file(&folder, sweep), name)[member];
+        for name in ["error_estimate", "deflection_error_estimate"] {
+            let own = facts[name].as_f64().unwrap();
+            // The error of the time steps, a small part, is computed anew.
+            assert!((of(name) / own - 1.0).abs() < 1e-3, "{model}: {name} {} {own}", of(name));
+        }
+        // Both have the same body and the same time steps.
+        let own = facts["largest"]["deflection"]["value"].as_f64().unwrap();
+        assert!((of("largest_deflection") / own - 1.0).abs() < 1e-9, "{model}: {own}");
     }
 }
 

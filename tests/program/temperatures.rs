@@ -31,6 +31,12 @@ fn temperatures_between_bodies_are_within_their_estimates() {
         let own = column(&folder.path().join("run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
         let (error, estimate) = ((peaks[member] / own - 1.0).abs(), estimates[member]);
         assert!(error <= estimate && estimate < 4e-2, "{temperature} °C: {error:e} {estimate:e}");
+        let deflection = column(&folder.path().join("run.h5"), "contact/surface_displacement");
+        let largest = deflection.into_iter().fold(0.0, f64::max);
+        let [found, estimate] =
+            ["largest_deflection", "deflection_error_estimate"].map(|name| members(&sweep, name)[member]);
+        let error = (found / largest - 1.0).abs();
+        assert!(error <= estimate && estimate < 4e-2, "{temperature} °C, deflection: {error:e} {estimate:e}");
     }
     good(&folder, 2, "sweep scene.toml --vary body.temperature=0..46:47 -o two.h5");
     assert_eq!(members(&folder.path().join("two.h5"), "peak_force"), peaks);

@@ -37,7 +37,7 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
 const GROWTH: f64 = 1.2;
 
 /// Error of the deflection over its largest value, above which a run says how to lower it.
-const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
+pub const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
 
 /// Error in the first contact over the peak, above which a time history is of no use.
 pub const USELESS: f64 = 0.5;
@@ -140,7 +140,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
         ));
     }
     let is_reduced = estimate.of(Cause::Basis).is_some();
-    if measure != Measure::Deflection && is_reduced && scene.rotates_freely() {
+    if is_reduced && scene.basis_may_lack_rotations() {
         missed.push(
             "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
              accuracy.quantity = \"deflection\" includes them"

@@ -50,6 +50,10 @@ pub enum Quantity {
     ErrorEstimate,
     /// Error of the acceleration in the first contact divided by its peak, as estimated before the first step.
     FirstContactError,
+    /// Displacement of the surface under the impactor with the largest magnitude, signed, m.
+    LargestDeflection,
+    /// Estimated error of that displacement over the whole history, divided by its largest magnitude.
+    DeflectionErrorEstimate,
     /// Largest deflection under the impactor divided by the thickness of the body.
     DeflectionOverThickness,
     /// Largest tension on any face, Pa.
@@ -71,7 +75,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities in their order, with the names of their datasets and their units.
-    pub(super) const ALL: [(Self, &'static str, &'static str); 17] = [
+    pub(super) const ALL: [(Self, &'static str, &'static str); 19] = [
         (Self::PeakForce, "peak_force", "N"),
         (Self::PeakAcceleration, "peak_acceleration", "m/s2"),
         (Self::PeakTime, "peak_time", "s"),
@@ -81,6 +85,8 @@ impl Quantity {
         (Self::ReboundSpeed, "rebound_speed", "m/s"),
         (Self::ErrorEstimate, "error_estimate", "1"),
         (Self::FirstContactError, "first_contact_error", "1"),
+        (Self::LargestDeflection, "largest_deflection", "m"),
+        (Self::DeflectionErrorEstimate, "deflection_error_estimate", "1"),
         (Self::DeflectionOverThickness, "deflection_over_thickness", "1"),
         (Self::LargestStress, "largest_stress", "Pa"),
         (Self::LargestStressFace, "largest_stress_face", "1"),
@@ -145,7 +151,7 @@ impl Member {
         self.quantities[quantity as usize] = value;
     }
 
-    /// Adds an accepted step to the peaks. If series are stored and the number of the step is a multiple of `every`,
+    /// Adds an accepted step to the largest values. If series are stored and the number of the step is a multiple of `every`,
     /// the step and the values of the probes are appended to the series.
     pub fn push(&mut self, step: &Step, read: &[Probe], every: usize) {
         // Without a contact the peak is zero at the first step.
@@ -153,6 +159,10 @@ impl Member {
             self.set(Quantity::PeakForce, step.contact.force);
             self.set(Quantity::PeakAcceleration, step.impactor.acceleration);
             self.set(Quantity::PeakTime, step.time);
+        }
+        let deflection = step.contact.surface_displacement;
+        if step.number == 0 || deflection.abs() > self.get(Quantity::LargestDeflection).abs() {
+            self.set(Quantity::LargestDeflection, deflection);
         }
         self.set(Quantity::ReboundSpeed, step.impactor.velocity);
         if let Some(series) = self.series.as_mut().filter(|_| step.number.is_multiple_of(every)) {

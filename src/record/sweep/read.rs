@@ -120,6 +120,8 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
         (
             Err(_),
             Quantity::FirstContactError
+            | Quantity::LargestDeflection
+            | Quantity::DeflectionErrorEstimate
             | Quantity::DeflectionOverThickness
             | Quantity::LargestStress
             | Quantity::LargestStressFace

@@ -329,6 +329,12 @@ impl Kept {
         }
     }
 
+    /// Whether the error of a member's deflection is estimated, as it is in a run.
+    fn estimates_deflection(&self, scene: &Scene) -> bool {
+        let is_compared = self.made_for.is_some() || self.judge.is_some() || self.is_interpolated;
+        is_compared && !scene.basis_may_lack_rotations() && self.body.patch.is_none()
+    }
+
     /// Computes a member on this body; `None` if interrupted.
     fn simulate(&self, scene: &Scene, has_energies: bool, interrupted: &Rc<dyn Fn() -> bool>) -> Result<Option<Tried>> {
         let mut steps = Vec::new();
@@ -358,13 +364,13 @@ impl Kept {
             return Ok(None);
         }
         let linearity = Linearity::new(scene, self.theory, self.body.patch.as_ref());
-        let deflection = linearity.map_or(f64::NAN, |linearity| {
+        let deflection_over_thickness = linearity.map_or(f64::NAN, |linearity| {
             let each = steps.iter().map(|step| linearity.over_thickness(linearity.deflection(step)));
             each.fold(0.0, f64::max)
         });
         // Only the energies tell which part of the deflection is due to the compliance of the supports.
         let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
-        let is_doubtful = yields && deflection > largest_linear(edges(scene));
+        let is_doubtful = yields && deflection_over_thickness > largest_linear(edges(scene));
         if self.is_interpolated && is_doubtful {
             return Err(Error::Solve(
                 "the compliance of the supports needs energies, which interpolated bodies do not have".into(),
@@ -398,8 +404,14 @@ impl Kept {
         if !tension.value.is_nan() {
             tension = tension.with_error(joined(impact.count.stress_error.unwrap_or(of_steps), all.stress), scene);
         }
+        let deflection_error = if self.estimates_deflection(scene) {
+            joined(impact.count.deflection_error.unwrap_or(of_steps), all.deflection)
+        } else {
+            f64::NAN
+        };
         let unknowns = self.unknowns + 1;
-        let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };
+        let outcome =
+            Computed { error_estimate, first_error, deflection_error, deflection_over_thickness, unknowns, tension };
         Ok(Some(Tried { steps, first: of_basis.of(scene.measure), outcome }))
     }
 }

@@ -49,7 +49,8 @@ pub fn digest(
             member.set_contacts(&episodes);
             member.set(Quantity::ErrorEstimate, outcome.error_estimate);
             member.set(Quantity::FirstContactError, outcome.first_error);
-            member.set(Quantity::DeflectionOverThickness, outcome.deflection);
+            member.set(Quantity::DeflectionErrorEstimate, outcome.deflection_error);
+            member.set(Quantity::DeflectionOverThickness, outcome.deflection_over_thickness);
             member.set_tension(&outcome.tension);
             member.set(Quantity::Unknowns, outcome.unknowns as f64);
             member.status = Status::Done;

@@ -7,7 +7,7 @@ use petsc_wrap::Comm;
 use super::bodies::Bodies;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{Probe, Reading, Until};
+use crate::impact::{Probe, Reading, Until, joined};
 use crate::model::watch;
 use crate::model::{Linearity, Model, Simulation};
 use crate::record::stress::{LargestTension, strengths};
@@ -20,8 +20,10 @@ pub struct Computed {
     pub error_estimate: f64,
     /// Estimated error in the first contact over the peak, as far as it is known before the first step.
     pub first_error: f64,
+    /// Estimated error of the deflection under the impactor over its largest value; NaN if there is no estimate.
+    pub deflection_error: f64,
     /// Largest deflection under the impactor over the thickness; NaN if it is not known.
-    pub deflection: f64,
+    pub deflection_over_thickness: f64,
     /// Number of unknowns, including the impactor's.
     pub unknowns: usize,
     /// Largest tension on all faces.
@@ -58,14 +60,15 @@ pub fn simulate(
     let first_error =
         model.error_before_steps().total().map_or(f64::NAN, |errors| errors.joined(of_theory).first_contact);
     let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());
-    let mut deflection = f64::NAN;
+    let mut deflection_over_thickness = f64::NAN;
     let mut simulation = Simulation::new(scene, model)?;
     let (mut tension, strengths) = (LargestTension::default(), strengths(&scene.strength, simulation.faces()));
     let flow = simulation.run_watched(&mut Until {
         interrupted: &*interrupted,
         take: |step: &Step, reading: &Reading| {
             if let Some(linearity) = &linearity {
-                deflection = deflection.max(linearity.over_thickness(linearity.deflection(step)));
+                deflection_over_thickness =
+                    deflection_over_thickness.max(linearity.over_thickness(linearity.deflection(step)));
             }
             tension.take(step.time, &reading.faces, &strengths);
             observe(step, &reading.probes);
@@ -76,6 +79,8 @@ pub fn simulate(
     let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
     let of_tension = errors.filter(|_| !estimate.of_tension().is_nan());
     tension = tension.with_error(of_tension.map_or(f64::NAN, |errors| errors.stress), scene);
-    let outcome = Computed { error_estimate, first_error, deflection, unknowns, tension };
+    let deflection_error = joined(estimate.of_deflection(), of_theory.deflection);
+    let outcome =
+        Computed { error_estimate, first_error, deflection_error, deflection_over_thickness, unknowns, tension };
     Ok(flow.is_continue().then_some(outcome))
 }
