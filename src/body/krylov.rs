@@ -61,6 +61,8 @@ pub struct Krylov {
     /// Vectors with their companions, if the body has dampers.
     damped: Option<DampedPairs>,
     projected: Projected,
+    /// Same as in [`Start`].
+    rate: f64,
     properties: Properties,
     /// Sources of vectors, used in turn.
     sources: Vec<Source>,
@@ -86,7 +88,7 @@ impl Krylov {
     /// # Errors
     /// If the impact point is constrained along the impact direction, if S has no factor, or if a PETSc call fails.
     pub fn new(body: &dyn LinearBody, start: impl Into<Start>) -> Result<Self> {
-        let Start { shift, end, leaves_short_waves, in_blocks } = start.into();
+        let Start { shift, rate, end, leaves_short_waves, in_blocks } = start.into();
         let properties = body.properties()?;
         let Properties { layout, held, equilibrium: rest, pushed, .. } = &properties;
         let is_damped = body.has(Operator::Damping);
@@ -130,6 +132,7 @@ impl Krylov {
         let mut krylov = Self {
             lanczos: is_recurrent.then(recurrence).transpose()?,
             projected: Projected::new(body),
+            rate,
             shifts,
             basis,
             damped: is_damped.then(|| DampedPairs::new(shift)),
@@ -289,7 +292,7 @@ impl Krylov {
         if self.has_translation {
             self.projected.release_first();
         }
-        let mut projection = self.projected.projection(body, &self.properties, &self.basis, self.shifts[0].rate)?;
+        let mut projection = self.projected.projection(body, &self.properties, &self.basis, self.rate)?;
         let plate = body.infinite_plate().filter(|_| self.leaves_short_waves);
         projection.infinite_plate = plate.map(|plate| plate.clone().with_shifts(self.shifts.len()));
         Ok(projection)

@@ -5,6 +5,9 @@
 pub struct Start {
     /// Shift s, 1/s. Vectors that are made from sudden loads have a lower shift.
     pub shift: f64,
+    /// Rate of the impact, 1/s. The modes are computed with the moduli at this rate, and modes and directions that do not
+    /// relax keep them.
+    pub rate: f64,
     /// Length of the run, s.
     pub end: f64,
     /// Whether the basis of a plate is made for its long waves only, where this is useful
@@ -17,9 +20,9 @@ pub struct Start {
 }
 
 impl From<f64> for Start {
-    /// Creates the settings for a shift (1/s): a run of any length, waves of all lengths, and orthogonalisation vector
+    /// Creates the settings for a shift (1/s), which is also the rate of the impact: a run of any length, waves of all lengths, and orthogonalisation vector
     /// by vector.
     fn from(shift: f64) -> Self {
-        Self { shift, end: f64::INFINITY, leaves_short_waves: false, in_blocks: false }
+        Self { shift, rate: shift, end: f64::INFINITY, leaves_short_waves: false, in_blocks: false }
     }
 }

@@ -4,12 +4,12 @@
 use std::collections::BTreeMap;
 
 use crate::impact::{Plan, beside, estimated};
-use crate::model::{Edges, edges, largest_linear};
+use crate::model::{Edges, LARGE_ERROR_OF_DEFLECTION, edges, largest_linear};
 use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, LARGE_ERROR_OF_DEFLECTION, Remark, USELESS};
+use super::notes::{self, Remark, USELESS};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 

@@ -19,11 +19,12 @@ mod trials;
 pub mod watch;
 
 pub use error_factors::ErrorFactors;
+pub use judgement::LARGE_ERROR_OF_DEFLECTION;
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
 use reduce::is_moved_by_loads;
-pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, reduce_from};
+pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, reduce_from, shift};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
@@ -70,6 +71,8 @@ pub struct Model {
     pub gauges: Option<Gauges>,
     /// Measures of the mesh, if it is from a file.
     pub measures: Option<Measures>,
+    /// Whether the basis lacks slow vibrations of the body, and one that has them is cheap.
+    lacks_slow_vibrations: bool,
 }
 
 /// The body on a second basis, with which the error of the first is estimated. Its modes are computed when they are
@@ -127,10 +130,19 @@ impl Model {
     /// # Errors
     /// Same as [`Model::new`]; [`crate::Error::Interrupted`] if the watch stops it.
     pub fn watched(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Self> {
-        let model = match scene.body.model {
+        let of_scene = |scene: &Scene| match scene.body.model {
             scene::Model::Auto => select_theory::select_theory(comm, scene, watch),
             theory => Self::of(comm, scene, theory, watch),
-        }?;
+        };
+        let with_slow_vibrations = || Scene { keeps_slow_vibrations: true, ..scene.clone() };
+        let lacks_rotations = scene.basis_may_lack_rotations()
+            && scene.body.reduction == scene::Reduction::Auto
+            && matches!(scene.body.geometry, scene::Geometry::Box { .. });
+        let mut model = if lacks_rotations { of_scene(&with_slow_vibrations()) } else { of_scene(scene) }?;
+        // All bodies that are compared must have these vibrations, so that the model is made again.
+        if watch.decided(model.lacks_slow_vibrations) {
+            model = of_scene(&with_slow_vibrations())?;
+        }
         // All errors are estimated from contact forces.
         if !model.is_moved_by_loads {
             return Ok(model);
@@ -161,6 +173,7 @@ impl Model {
 
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
+        let lacks_slow_vibrations = lacks_slow_vibrations(scene, &fitted);
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_moved_by_loads) = (projection.vectors(), is_moved_by_loads(&projection, &force.0));
@@ -176,7 +189,7 @@ impl Model {
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
         let bare = Self::bare(scene, theory, dynamics, unknowns, discretisation);
-        let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, ..bare };
+        let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, lacks_slow_vibrations, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -200,6 +213,7 @@ impl Model {
             reason: None,
             gauges: None,
             measures: None,
+            lacks_slow_vibrations: false,
         }
     }
 
@@ -217,4 +231,22 @@ impl Model {
     pub fn reduction(&self) -> String {
         self.vectors.map_or("none".to_owned(), |vectors| format!("{vectors} Krylov vectors"))
     }
+}
+
+/// Largest value of unknowns times the square of the number of vectors for which a body is reduced a second time for its
+/// slow vibrations. The model of such a body takes about a second.
+const LARGEST_COST_OF_SLOW_VIBRATIONS: f64 = 1e9;
+
+/// Whether the basis of a plate or a spline solid lacks slow vibrations, and another one is cheap.
+fn lacks_slow_vibrations(scene: &Scene, Fitted { reduced, unknowns, cells, .. }: &Fitted) -> bool {
+    let is_poor = reduced.error.deflection > LARGE_ERROR_OF_DEFLECTION;
+    // Bases whose short waves are treated separately have all slow vibrations.
+    let has_all_waves = reduced.projection.infinite_plate.is_none();
+    let cost = *unknowns as f64 * (reduced.projection.vectors() as f64).powi(2);
+    is_poor
+        && has_all_waves
+        && cells.is_some()
+        && cost <= LARGEST_COST_OF_SLOW_VIBRATIONS
+        && scene.body.reduction == scene::Reduction::Auto
+        && !scene.needs_slow_vibrations()
 }

@@ -90,6 +90,9 @@ pub struct Scene {
     pub tolerance: f64,
     /// Quantity to which the tolerance applies.
     pub measure: Measure,
+    /// Whether the basis also represents slow vibrations after a contact, although the tolerance does not apply to the
+    /// deflection. False in a scene that was read: the model sets it where the deflection needs it.
+    pub keeps_slow_vibrations: bool,
     /// Tensile strength of the material.
     pub strength: Strength,
     /// Solution of a time step.
@@ -165,13 +168,17 @@ impl Scene {
     }
 
     /// Whether the basis may lack rotations of the body, so that the error of the deflection is unknown. The impact makes
-    /// the body rotate, nothing holds it, and the tolerance does not apply to the deflection, for which the basis has
-    /// these rotations.
+    /// the body rotate, nothing holds it, and the basis is made for the acceleration or the stresses alone.
     pub fn basis_may_lack_rotations(&self) -> bool {
         let is_central = self
             .struck_axis()
             .is_some_and(|struck| (0..3).filter(|axis| *axis != struck).all(|axis| self.impactor.point[axis] == 0.0));
-        self.supports.is_empty() && !is_central && self.measure != Measure::Deflection
+        self.supports.is_empty() && !is_central && !self.needs_slow_vibrations()
+    }
+
+    /// Whether the basis must represent slow vibrations: the tolerance applies to the deflection, or they are kept.
+    pub fn needs_slow_vibrations(&self) -> bool {
+        self.measure == Measure::Deflection || self.keeps_slow_vibrations
     }
 
     /// Distance of the impact point from the nearest edge of the impacted face of a box, m; `None` for a mesh file.

@@ -1,7 +1,7 @@
 //! Remarks on estimated errors: of a model before a run, and of a result after it.
 
 use crate::impact::{Cause, ErrorEstimate, beside, estimated};
-use crate::model::{self, Model};
+use crate::model::{self, LARGE_ERROR_OF_DEFLECTION, Model};
 use crate::record::stress::LargestTension;
 use crate::scene::{Geometry, Measure, Model as Theory, Reduction, Scene};
 use crate::space::spline;
@@ -35,9 +35,6 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
 
 /// Error over the whole history relative to the error in the first contact, above which later times are more sensitive.
 const GROWTH: f64 = 1.2;
-
-/// Error of the deflection over its largest value, above which a run says how to lower it.
-pub const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
 
 /// Error in the first contact over the peak, above which a time history is of no use.
 pub const USELESS: f64 = 0.5;
@@ -139,8 +136,8 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             estimated(of_deflection)
         ));
     }
-    let is_reduced = estimate.of(Cause::Basis).is_some();
-    if is_reduced && scene.basis_may_lack_rotations() {
+    let is_unknown = estimate.of(Cause::Basis).is_some_and(|of_basis| of_basis.deflection.is_nan());
+    if is_unknown && scene.basis_may_lack_rotations() {
         missed.push(
             "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
              accuracy.quantity = \"deflection\" includes them"

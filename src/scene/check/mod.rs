@@ -96,6 +96,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         time,
         tolerance: tolerance(source, &raw.accuracy)?,
         measure: strength::measure(source, &raw)?,
+        keeps_slow_vibrations: false,
         strength,
         solver: solver(source, &raw.solver)?,
         output,

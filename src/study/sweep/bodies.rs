@@ -332,7 +332,11 @@ impl Kept {
     /// Whether the error of a member's deflection is estimated, as it is in a run.
     fn estimates_deflection(&self, scene: &Scene) -> bool {
         let is_compared = self.made_for.is_some() || self.judge.is_some() || self.is_interpolated;
-        is_compared && !scene.basis_may_lack_rotations() && self.body.patch.is_none()
+        let has_rotations = match &self.made_for {
+            Some(MadeFor { of_basis, .. }) => !of_basis.deflection.is_nan(),
+            None => !scene.basis_may_lack_rotations(),
+        };
+        is_compared && has_rotations && self.body.patch.is_none()
     }
 
     /// Computes a member on this body; `None` if interrupted.

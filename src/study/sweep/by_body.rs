@@ -7,7 +7,7 @@ use crate::body::rates;
 use crate::description::Description;
 use crate::form;
 use crate::material::Maxwell;
-use crate::model::rate;
+use crate::model::shift;
 use crate::scene::{self, Contact, Impactor, Initial, Load, Measure, Scene, Support, Vec3};
 use crate::space::MODULI_TIME_OVER_CONTACT;
 
@@ -118,7 +118,7 @@ fn rates_of(scene: &Scene) -> Vec<u32> {
     if chains.is_empty() {
         return Vec::new();
     }
-    let first = rate(&shared(scene.clone()));
+    let first = shift(&shared(scene.clone()));
     let all = rates(&chains.iter().collect::<Vec<_>>(), first, scene.time.end);
     all.into_iter().map(|rate| (100.0 * rate / first).round() as u32).collect()
 }
