@@ -14,27 +14,26 @@ from markers import replace, table
 TOLERANCE = 1e-2
 REFERENCE = 1e-3
 SOLID_REFERENCE = 3e-3
-NUMBERS = range(1, 25)
+SAMPLES = range(1, 25)
 # Solids of plates with more thicknesses along an edge take minutes.
 WIDEST_SOLID = 16
 EDGES = ("free", 1e8, 1e10, "held")
-HEAD = ["plate", "impactor", "end", "by default: vectors", "error (estimate)", "for the deflection: vectors", "error (estimate)", "from a solid, in flight (estimate)", "from a solid, in contact (0.3 F/(E h))"]
+HEAD = ["plate", "impactor", "end", "default: vectors", "default: error (estimate)", "`\"deflection\"`: vectors", "`\"deflection\"`: error (estimate)", "against a solid, without contact (estimate)", "against a solid, in contact (0.3 F/(E h))"]
 
 
 def percent(x):
-    """Two digits, as a part of a hundred, or all digits before the point."""
+    """Per cent with two digits, or without decimals from 100%."""
     return f"{100 * x:.0f}%" if x >= 1 else f"{100 * x:.2g}%"
 
 
 def drawn(number):
-    """A plate by Halton's sequence: 8 to 40 thicknesses, hit by 0.6% to 200% of its mass, and its end: up to two periods of its lowest mode."""
+    """Plate, impact and end of a run for a number of Halton's sequence: 8 to 40 thicknesses, hit by 0.6% to 200% of the plate's mass."""
     draw = Draw(number)
     thickness = draw.between(3, 0.005, 0.05)
     edge = float(f"{thickness * 8 * 5 ** halton(number, 2):.2g}")
     size = (edge, float(f"{edge * draw.one_of(17, (1.0, 0.8, 0.6)):.2g}"), thickness)
     support = draw.one_of(13, EDGES)
-    # A free body that is hit off its centre has no estimate by default.
-    places = ((0.0, 0.0), (0.2, 0.1), (0.25, 0.0)) if support != "free" else ((0.0, 0.0),)
+    places = ((0.0, 0.0), (0.2, 0.1), (0.25, 0.0))
     point = tuple(float(f"{part * side:.2g}") for part, side in zip(draw.one_of(19, places), size))
     young, poisson, density = MATERIALS[draw.material]
     mass = float(f"{density * np.prod(size) * 0.006 * (2 / 0.006) ** halton(number, 5):.2g}")
@@ -56,13 +55,13 @@ class History:
             self.vectors, self.theory = file.attrs["reduction"].split()[0], file.attrs["model"]
 
     def error(self, reference, where=slice(None)):
-        """Largest difference from a reference at some steps over the largest deflection."""
+        """Largest difference from a reference at the steps `where`, divided by the reference's largest deflection."""
         difference = self.deflection - cubic(self.time, reference.time, reference.deflection)
         return np.abs(difference[where]).max() / np.abs(reference.deflection).max()
 
 
 def run(program, source, model, quantity, tolerance):
-    """A result."""
+    """Runs a scene with a theory, a quantity and a tolerance, and returns its history."""
     result = source.parent / f"{model}-{quantity}-{tolerance}.h5"
     keys = (f"body.model={model}", f"accuracy.quantity={quantity}", f"accuracy.tolerance={tolerance}", "output.stress=false")
     overrides = [word for key in keys for word in ("--set", key)]
@@ -79,16 +78,16 @@ def against_solid(program, source, scene):
         return ["", ""]
     solid = run(program, source, "solid", "deflection", SOLID_REFERENCE)
     forces = own.force, cubic(own.time, solid.time, solid.force)
-    in_flight = (forces[0] == 0) & (forces[1] == 0) & (own.time > 0)
+    without_contact = (forces[0] == 0) & (forces[1] == 0) & (own.time > 0)
     in_contact = (forces[0] > 0) & (forces[1] > 0)
-    of_flight = f"{percent(own.error(solid, in_flight))} ({percent(own.estimate)})" if in_flight.any() else "no flight"
+    apart = f"{percent(own.error(solid, without_contact))} ({percent(own.estimate)})" if without_contact.any() else "still in contact"
     young, _, _ = MATERIALS[scene.material]
     local = 0.3 * own.force.max() / (young * scene.size[2]) / np.abs(solid.deflection).max()
-    return [of_flight, f"{percent(own.error(solid, in_contact))} ({percent(local)})"]
+    return [apart, f"{percent(own.error(solid, in_contact))} ({percent(local)})"]
 
 
 def row(program, out, number):
-    """One plate: errors against a run at another tolerance, and against a solid."""
+    """One plate: errors against a run with a smaller tolerance, and against a solid."""
     scene, end = drawn(number)
     source = out / str(number) / "scene.toml"
     source.parent.mkdir(parents=True, exist_ok=True)
@@ -107,7 +106,7 @@ def row(program, out, number):
 
 def main():
     program, out, document = sys.argv[1], Path(sys.argv[2]), sys.argv[3]
-    replace(document, "deflections", table(HEAD, [row(program, out, number) for number in NUMBERS]))
+    replace(document, "deflections", table(HEAD, [row(program, out, number) for number in SAMPLES]))
 
 
 if __name__ == "__main__":

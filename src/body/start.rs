@@ -5,8 +5,9 @@
 pub struct Start {
     /// Shift s, 1/s. Vectors that are made from sudden loads have a lower shift.
     pub shift: f64,
-    /// Rate of the impact, 1/s. The modes are computed with the moduli at this rate, and modes and directions that do not
-    /// relax keep them.
+    /// Rate at which the modes of a viscoelastic body have their moduli, 1/s. It is equal to the shift, unless the shift is
+    /// low: then it is the rate of the impact. Modes that do not take part, and directions that do not relax, keep these
+    /// moduli.
     pub rate: f64,
     /// Length of the run, s.
     pub end: f64,
@@ -20,8 +21,8 @@ pub struct Start {
 }
 
 impl From<f64> for Start {
-    /// Creates the settings for a shift (1/s), which is also the rate of the impact: a run of any length, waves of all lengths, and orthogonalisation vector
-    /// by vector.
+    /// Creates the settings for a shift (1/s): moduli at the same rate, a run of any length, waves of all lengths, and
+    /// orthogonalisation vector by vector.
     fn from(shift: f64) -> Self {
         Self { shift, rate: shift, end: f64::INFINITY, leaves_short_waves: false, in_blocks: false }
     }

@@ -165,7 +165,8 @@ fn described(stage: &Stage) -> String {
         Stage::Factor => "factorising the stiffness for a basis".to_owned(),
         Stage::Basis { vectors, judged: None } => format!("reducing the body to a basis: {vectors} vectors so far"),
         Stage::Basis { vectors, judged: Some(Judged { vectors: of, error, wanted }) } => format!(
-            "reducing the body to a basis: {vectors} vectors so far; with {of} the estimated error was {error:.1e} of the peak, {wanted:.1e} is wanted"
+            "reducing the body to a basis: {vectors} vectors so far; with {of} the estimated error was {:.1} times the allowed one",
+            error / wanted
         ),
         Stage::Steps => "preparing the first step".to_owned(),
         Stage::Trial => "computing the impact on a basis, to judge it".to_owned(),

@@ -14,7 +14,7 @@ use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
 /// What may lower the error of a member.
-const REMEDIES: &str = "if members share a basis, a smaller accuracy.tolerance lowers it; `ricochet check` of this member's scene shows other causes";
+const REMEDIES: &str = "if members share a basis, a smaller accuracy.tolerance may lower the error; `ricochet check` of this member's scene lists its causes";
 
 /// Remarks on members, sorted by kind.
 #[derive(Default)]
@@ -94,32 +94,32 @@ impl Remarks {
             }
             let of = |quantity| writer.quantity(quantity)[member];
             let (first, whole) = (of(Quantity::FirstContactError), of(Quantity::ErrorEstimate));
-            let deflection = of(Quantity::DeflectionOverThickness);
-            let of_deflection = of(Quantity::DeflectionErrorEstimate);
+            let over_thickness = of(Quantity::DeflectionOverThickness);
+            let deflection_error = of(Quantity::DeflectionErrorEstimate);
             let remark = |kind: &str, size: f64, text: String| Remark { kind: kind.to_owned(), size, text };
             let of_first = format!(
                 "the estimated error in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e}",
                 beside(first, *tolerance)
             );
-            let (own, of_own) = match measure {
+            let (error, quantity) = match measure {
                 Measure::Acceleration => (f64::NAN, ""),
-                Measure::Stress => (of(Quantity::StressErrorEstimate), "the largest tension in the first contact"),
-                Measure::Deflection => (of_deflection, "the deflection under the impactor"),
+                Measure::Stress => (of(Quantity::StressErrorEstimate), "the tension in the first contact"),
+                Measure::Deflection => (deflection_error, "the deflection under the impactor"),
             };
-            if own > *tolerance {
+            if error > *tolerance {
                 let text = format!(
-                    "the estimated error of {of_own} is {} of its largest value, above accuracy.tolerance = {tolerance:e}: {REMEDIES}",
-                    beside(own, *tolerance)
+                    "the estimated error of {quantity} is {} of its largest value, above accuracy.tolerance = {tolerance:e}: {REMEDIES}",
+                    beside(error, *tolerance)
                 );
-                all.warnings.add(member, remark("measured", own, text));
+                all.warnings.add(member, remark("quantity of the tolerance", error, text));
             }
-            if *measure != Measure::Deflection && of_deflection > LARGE_ERROR_OF_DEFLECTION {
+            if *measure != Measure::Deflection && deflection_error > LARGE_ERROR_OF_DEFLECTION {
                 let text = format!(
                     "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value; \
                      accuracy.quantity = \"deflection\" may lower this error",
-                    estimated(of_deflection)
+                    estimated(deflection_error)
                 );
-                all.notes.add(member, remark("deflection's error", of_deflection, text));
+                all.notes.add(member, remark("error of the deflection", deflection_error, text));
             }
             if first > USELESS {
                 let text = format!(
@@ -137,9 +137,9 @@ impl Remarks {
                 );
                 all.notes.add(member, remark("whole history", whole, text));
             }
-            if deflection > largest_linear(*edges) {
-                let text = format!("the body bends by about {}", beyond(deflection, *edges));
-                all.warnings.add(member, remark("deflection", deflection, text));
+            if over_thickness > largest_linear(*edges) {
+                let text = format!("the body bends by about {}", beyond(over_thickness, *edges));
+                all.warnings.add(member, remark("deflection", over_thickness, text));
             }
             // Times of steps differ from the end by rounding.
             if of(Quantity::OpenAtEnd) == 1.0 && of(Quantity::PeakTime) >= end * (1.0 - 1e-9) {

@@ -23,8 +23,8 @@ const LONG_WAVES_MARGIN: f64 = 1.55;
 /// before the first echo, the errors were at most 0.1 of a tolerance of 1e-2, and up to twice what the difference shows.
 const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 
-/// Error of the deflection over its largest value, above which the deflection is of little use. If the tolerance applies
-/// to another quantity, the basis keeps the error below it where that is cheap.
+/// Error of the deflection over its largest value, above which the deflection is of little use. A basis with a low shift
+/// must have an estimated error below [`BASIS_SHARE`] times this value, if the tolerance applies to another quantity.
 pub const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
 
 /// Differences of histories, over the peak, from which they do not measure errors: one history then has contacts that
@@ -103,8 +103,8 @@ impl Rule<'_> {
         let rule = self.rule(of_difference);
         let error = rule.errors(difference);
         let mut over = error.of(scene.measure) / wanted;
-        if scene.keeps_slow_vibrations {
-            // The maximum ignores NaN if the error of the deflection is unknown.
+        if scene.limits_deflection_error {
+            // The maximum ignores NaN: the deflection then has no estimate.
             over = over.max(error.deflection / (BASIS_SHARE * LARGE_ERROR_OF_DEFLECTION));
         }
         let over = watch.agreed(over);

@@ -71,8 +71,8 @@ pub struct Model {
     pub gauges: Option<Gauges>,
     /// Measures of the mesh, if it is from a file.
     pub measures: Option<Measures>,
-    /// Whether the basis lacks slow vibrations of the body, and one that has them is cheap.
-    lacks_slow_vibrations: bool,
+    /// Whether the error of the deflection is large, and a second model with a low shift of the basis is cheap.
+    needs_low_shift: bool,
 }
 
 /// The body on a second basis, with which the error of the first is estimated. Its modes are computed when they are
@@ -134,14 +134,12 @@ impl Model {
             scene::Model::Auto => select_theory::select_theory(comm, scene, watch),
             theory => Self::of(comm, scene, theory, watch),
         };
-        let with_slow_vibrations = || Scene { keeps_slow_vibrations: true, ..scene.clone() };
-        let lacks_rotations = scene.basis_may_lack_rotations()
-            && scene.body.reduction == scene::Reduction::Auto
-            && matches!(scene.body.geometry, scene::Geometry::Box { .. });
-        let mut model = if lacks_rotations { of_scene(&with_slow_vibrations()) } else { of_scene(scene) }?;
-        // All bodies that are compared must have these vibrations, so that the model is made again.
-        if watch.decided(model.lacks_slow_vibrations) {
-            model = of_scene(&with_slow_vibrations())?;
+        let with_low_shift = || Scene { limits_deflection_error: true, ..scene.clone() };
+        let lacks_rotations = scene.basis_may_lack_rotations() && scene.body.reduction == scene::Reduction::Auto;
+        let mut model = if lacks_rotations { of_scene(&with_low_shift()) } else { of_scene(scene) }?;
+        // Theories and cells are compared on bases with the same shift, so that the whole model is made again.
+        if watch.decided(model.needs_low_shift) {
+            model = of_scene(&with_low_shift())?;
         }
         // All errors are estimated from contact forces.
         if !model.is_moved_by_loads {
@@ -173,7 +171,7 @@ impl Model {
 
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let lacks_slow_vibrations = lacks_slow_vibrations(scene, &fitted);
+        let needs_low_shift = needs_low_shift(scene, &fitted);
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_moved_by_loads) = (projection.vectors(), is_moved_by_loads(&projection, &force.0));
@@ -189,7 +187,7 @@ impl Model {
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
         let bare = Self::bare(scene, theory, dynamics, unknowns, discretisation);
-        let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, lacks_slow_vibrations, ..bare };
+        let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, needs_low_shift, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -213,7 +211,7 @@ impl Model {
             reason: None,
             gauges: None,
             measures: None,
-            lacks_slow_vibrations: false,
+            needs_low_shift: false,
         }
     }
 
@@ -233,12 +231,12 @@ impl Model {
     }
 }
 
-/// Largest value of unknowns times the square of the number of vectors for which a body is reduced a second time for its
-/// slow vibrations. The model of such a body takes about a second.
-const LARGEST_COST_OF_SLOW_VIBRATIONS: f64 = 1e9;
+/// Largest value of unknowns times the square of the number of vectors of the first basis for which a second model is
+/// made. The second model then takes about a second.
+const LARGEST_COST_OF_SECOND_MODEL: f64 = 1e9;
 
-/// Whether the basis of a plate or a spline solid lacks slow vibrations, and another one is cheap.
-fn lacks_slow_vibrations(scene: &Scene, Fitted { reduced, unknowns, cells, .. }: &Fitted) -> bool {
+/// Whether a plate or a spline solid needs a second model, on a basis with a low shift, and that model is cheap.
+fn needs_low_shift(scene: &Scene, Fitted { reduced, unknowns, cells, .. }: &Fitted) -> bool {
     let is_poor = reduced.error.deflection > LARGE_ERROR_OF_DEFLECTION;
     // Bases whose short waves are treated separately have all slow vibrations.
     let has_all_waves = reduced.projection.infinite_plate.is_none();
@@ -246,7 +244,7 @@ fn lacks_slow_vibrations(scene: &Scene, Fitted { reduced, unknowns, cells, .. }:
     is_poor
         && has_all_waves
         && cells.is_some()
-        && cost <= LARGEST_COST_OF_SLOW_VIBRATIONS
+        && cost <= LARGEST_COST_OF_SECOND_MODEL
         && scene.body.reduction == scene::Reduction::Auto
-        && !scene.needs_slow_vibrations()
+        && !scene.has_low_shift()
 }

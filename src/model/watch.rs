@@ -37,7 +37,8 @@ pub enum Stage {
 pub struct Judged {
     /// Number of vectors.
     pub vectors: usize,
-    /// Estimated error, over the peak, in the quantity that the tolerance applies to.
+    /// Estimated error, over the peak, in the quantity that the tolerance applies to. If the error of the deflection is
+    /// limited as well and is farther above its limit, it is that error, scaled so that its limit is `wanted`.
     pub error: f64,
     /// Allowed error.
     pub wanted: f64,

@@ -90,9 +90,9 @@ pub struct Scene {
     pub tolerance: f64,
     /// Quantity to which the tolerance applies.
     pub measure: Measure,
-    /// Whether the basis also represents slow vibrations after a contact, although the tolerance does not apply to the
-    /// deflection. False in a scene that was read: the model sets it where the deflection needs it.
-    pub keeps_slow_vibrations: bool,
+    /// Whether the basis must also limit the estimated error of the deflection, although the tolerance does not apply to
+    /// it. A scene file never sets it, only [`Model::watched`](crate::model::Model::watched).
+    pub limits_deflection_error: bool,
     /// Tensile strength of the material.
     pub strength: Strength,
     /// Solution of a time step.
@@ -173,12 +173,12 @@ impl Scene {
         let is_central = self
             .struck_axis()
             .is_some_and(|struck| (0..3).filter(|axis| *axis != struck).all(|axis| self.impactor.point[axis] == 0.0));
-        self.supports.is_empty() && !is_central && !self.needs_slow_vibrations()
+        self.supports.is_empty() && !is_central && !self.has_low_shift()
     }
 
-    /// Whether the basis must represent slow vibrations: the tolerance applies to the deflection, or they are kept.
-    pub fn needs_slow_vibrations(&self) -> bool {
-        self.measure == Measure::Deflection || self.keeps_slow_vibrations
+    /// Whether the basis has a low shift, for slow vibrations after a contact: the error of the deflection is limited.
+    pub fn has_low_shift(&self) -> bool {
+        self.measure == Measure::Deflection || self.limits_deflection_error
     }
 
     /// Distance of the impact point from the nearest edge of the impacted face of a box, m; `None` for a mesh file.

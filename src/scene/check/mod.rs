@@ -96,7 +96,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         time,
         tolerance: tolerance(source, &raw.accuracy)?,
         measure: strength::measure(source, &raw)?,
-        keeps_slow_vibrations: false,
+        limits_deflection_error: false,
         strength,
         solver: solver(source, &raw.solver)?,
         output,

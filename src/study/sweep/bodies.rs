@@ -329,7 +329,8 @@ impl Kept {
         }
     }
 
-    /// Whether the error of a member's deflection is estimated, as it is in a run.
+    /// Whether the error of a member's deflection is estimated: its basis was compared with another, it has the rotations
+    /// of the body, and there is no contact patch.
     fn estimates_deflection(&self, scene: &Scene) -> bool {
         let is_compared = self.made_for.is_some() || self.judge.is_some() || self.is_interpolated;
         let has_rotations = match &self.made_for {

@@ -14,8 +14,8 @@ pub const TESTS: &[Test<Session>] = tests![
     loads_alone_move_a_reduced_body,
     loads_move_a_reduced_body_that_is_hit,
     the_estimate_covers_vibrations_after_a_contact,
-    a_free_plate_that_is_hit_beside_its_centre_rotates,
-    a_viscoelastic_plate_with_slow_vibrations_has_its_force,
+    a_free_plate_that_is_hit_off_its_centre_rotates,
+    a_low_shift_keeps_the_force_on_a_viscoelastic_plate,
 ];
 
 /// Largest difference of the deflection from a reference with finer or equal steps, relative to its largest value.
@@ -85,9 +85,9 @@ fn loads_move_a_reduced_body_that_is_hit(session: &Session) {
     assert!(off < 0.05 && off < ran.deflection_error, "{off:e}");
 }
 
-/// A free plate vibrates after a short contact. Ten vectors have the contact force but not these vibrations, and the
-/// estimated error of the deflection shows it. By default the model has a few more vectors, so that this error is below
-/// 0.1. With `quantity = "deflection"` it is as small as the tolerance.
+/// A free plate vibrates after a short contact. A basis of ten vectors represents the contact force but not these vibrations. The
+/// estimated error of the deflection shows this. By default the basis has more vectors, and this error is below 0.1. With
+/// `quantity = "deflection"` it is below the tolerance.
 fn the_estimate_covers_vibrations_after_a_contact(session: &Session) {
     let comm = session.world();
     let mut scene = parse(&plate("model = \"mindlin\"\nsize = [0.5, 0.4, 0.02]", "end = 4e-3", ""));
@@ -111,8 +111,8 @@ fn the_estimate_covers_vibrations_after_a_contact(session: &Session) {
 }
 
 /// Nothing holds the plate, and the hit makes it rotate. (A basis for the force alone lacked the rotation: the deflection
-/// was wrong by half.)
-fn a_free_plate_that_is_hit_beside_its_centre_rotates(session: &Session) {
+/// was wrong by 50%.)
+fn a_free_plate_that_is_hit_off_its_centre_rotates(session: &Session) {
     let comm = session.world();
     let mut scene = parse(&plate("model = \"mindlin\"\nsize = [0.5, 0.4, 0.02]", "end = 4e-3", ""));
     (scene.impactor.mass, scene.impactor.point) = (0.1, [0.1, 0.05, 0.01]);
@@ -126,7 +126,7 @@ fn a_free_plate_that_is_hit_beside_its_centre_rotates(session: &Session) {
 
 /// The basis for slow vibrations has a lower shift. The modes of the laminate keep the moduli at the rate of the impact,
 /// so that the force stays the same. (With the moduli at the lower shift it was wrong by 5% of the peak.)
-fn a_viscoelastic_plate_with_slow_vibrations_has_its_force(session: &Session) {
+fn a_low_shift_keeps_the_force_on_a_viscoelastic_plate(session: &Session) {
     let comm = session.world();
     let layer =
         |thickness: f64, name: &str| format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{name}\"\n");
