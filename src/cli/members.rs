@@ -9,7 +9,7 @@ use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, Remark, USELESS};
+use super::notes::{self, Remark, UNESTIMATED_ROTATIONS, USELESS};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
@@ -31,6 +31,8 @@ pub struct MemberFacts {
     /// End of the run, s.
     end: f64,
     edges: Edges,
+    /// Same as [`Scene::basis_may_lack_rotations`].
+    may_lack_rotations: bool,
     /// Whether the scene gives a strength.
     pub has_strength: bool,
 }
@@ -41,6 +43,7 @@ impl MemberFacts {
         Self {
             tolerance: scene.tolerance,
             measure: scene.measure,
+            may_lack_rotations: scene.basis_may_lack_rotations(),
             end: scene.time.end,
             edges: edges(scene),
             has_strength: scene.strength.is_given(),
@@ -88,7 +91,8 @@ impl Remarks {
     /// member.
     pub fn of_results(writer: &SweepWriter, facts: &[MemberFacts]) -> Self {
         let mut all = Self::default();
-        for (member, MemberFacts { tolerance, measure, end, edges, .. }) in facts.iter().enumerate() {
+        for (member, MemberFacts { tolerance, measure, may_lack_rotations, end, edges, .. }) in facts.iter().enumerate()
+        {
             if writer.status()[member] != Status::Done {
                 continue;
             }
@@ -120,6 +124,9 @@ impl Remarks {
                     estimated(deflection_error)
                 );
                 all.notes.add(member, remark("error of the deflection", deflection_error, text));
+            }
+            if *may_lack_rotations && deflection_error.is_nan() && !over_thickness.is_nan() {
+                all.notes.add(member, remark("rotations", 1.0, UNESTIMATED_ROTATIONS.to_owned()));
             }
             if first > USELESS {
                 let text = format!(
@@ -158,8 +165,14 @@ impl Remarks {
 
 /// Prints a note for each key without effect: members that differ only in this key have identical results.
 pub fn tell_of_idle_keys(grid: &Grid, writer: &SweepWriter) {
-    const KEPT: [Quantity; 5] =
-        [Quantity::PeakForce, Quantity::PeakTime, Quantity::Impulse, Quantity::Contacts, Quantity::ReboundSpeed];
+    const KEPT: [Quantity; 6] = [
+        Quantity::PeakForce,
+        Quantity::PeakTime,
+        Quantity::Impulse,
+        Quantity::Contacts,
+        Quantity::ReboundSpeed,
+        Quantity::LargestDeflection,
+    ];
     let is_done = |member: &usize| writer.status()[*member] == Status::Done;
     for (place, key) in grid.keys().iter().enumerate() {
         let other = |member: usize| (member, grid.with_first(member, place));

@@ -27,6 +27,15 @@ const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 /// must have an estimated error below [`BASIS_SHARE`] times this value, if the tolerance applies to another quantity.
 pub const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
 
+/// Largest [`cost`] of a basis that is enlarged, or made again, to limit the error of the deflection. A plate of this cost
+/// takes about a second.
+pub(super) const LARGEST_COST_FOR_DEFLECTIONS: f64 = 1e8;
+
+/// Measure of the cost of a basis: unknowns times the square of the number of vectors.
+pub(super) fn cost(unknowns: usize, vectors: usize) -> f64 {
+    unknowns as f64 * (vectors as f64).powi(2)
+}
+
 /// Differences of histories, over the peak, from which they do not measure errors: one history then has contacts that
 /// the other lacks.
 const OTHER_CONTACTS: f64 = 0.3;
@@ -40,6 +49,8 @@ pub(super) struct Rule<'a> {
     pub(super) scene: &'a Scene,
     pub(super) watch: &'a dyn Watch,
     pub(super) start: Start,
+    /// Number of unknowns of the body.
+    pub(super) unknowns: usize,
     /// Numbers of vectors of the basis and of a smaller one.
     pub(super) vectors: usize,
     pub(super) smaller: usize,
@@ -103,7 +114,9 @@ impl Rule<'_> {
         let rule = self.rule(of_difference);
         let error = rule.errors(difference);
         let mut over = error.of(scene.measure) / wanted;
-        if scene.limits_deflection_error {
+        // If the histories have different contacts, a larger basis may not lower the error of the deflection.
+        let is_limited = scene.limits_deflection_error && error.history <= OTHER_CONTACTS;
+        if is_limited && cost(self.unknowns, vectors) <= LARGEST_COST_FOR_DEFLECTIONS {
             // The maximum ignores NaN: the deflection then has no estimate.
             over = over.max(error.deflection / (BASIS_SHARE * LARGE_ERROR_OF_DEFLECTION));
         }

@@ -20,6 +20,7 @@ pub mod watch;
 
 pub use error_factors::ErrorFactors;
 pub use judgement::LARGE_ERROR_OF_DEFLECTION;
+use judgement::{LARGEST_COST_FOR_DEFLECTIONS, cost};
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
@@ -35,7 +36,7 @@ use petsc_wrap::Comm;
 
 use crate::body::{Body, ModalBody, Projection};
 use crate::contact::Patch;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::impact::{Cause, ErrorEstimate, ErrorRule, Errors, KnownForce};
 use crate::mesh::Measures;
 use crate::scene::{self, Scene};
@@ -71,8 +72,8 @@ pub struct Model {
     pub gauges: Option<Gauges>,
     /// Measures of the mesh, if it is from a file.
     pub measures: Option<Measures>,
-    /// Whether the error of the deflection is large, and a second model with a low shift of the basis is cheap.
-    needs_low_shift: bool,
+    /// Whether a second model, on a basis with a low shift for slow vibrations, is possible and cheap.
+    pub may_lower_shift: bool,
 }
 
 /// The body on a second basis, with which the error of the first is estimated. Its modes are computed when they are
@@ -135,11 +136,15 @@ impl Model {
             theory => Self::of(comm, scene, theory, watch),
         };
         let with_low_shift = || Scene { limits_deflection_error: true, ..scene.clone() };
-        let lacks_rotations = scene.basis_may_lack_rotations() && scene.body.reduction == scene::Reduction::Auto;
+        let is_auto = scene.body.reduction == scene::Reduction::Auto;
+        let lacks_rotations = is_auto && scene.basis_may_lack_rotations();
         let mut model = if lacks_rotations { of_scene(&with_low_shift()) } else { of_scene(scene) }?;
         // Theories and cells are compared on bases with the same shift, so that the whole model is made again.
-        if watch.decided(model.needs_low_shift) {
-            model = of_scene(&with_low_shift())?;
+        if watch.decided(model.may_lower_shift && model.error_of_deflection_by_basis() > LARGE_ERROR_OF_DEFLECTION) {
+            model = match of_scene(&with_low_shift()) {
+                Err(Error::Solve(_) | Error::Fault(_)) => model,
+                second => second?,
+            };
         }
         // All errors are estimated from contact forces.
         if !model.is_moved_by_loads {
@@ -171,7 +176,7 @@ impl Model {
 
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let needs_low_shift = needs_low_shift(scene, &fitted);
+        let may_lower_shift = may_lower_shift(scene, theory, &fitted);
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_moved_by_loads) = (projection.vectors(), is_moved_by_loads(&projection, &force.0));
@@ -187,7 +192,7 @@ impl Model {
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
         let bare = Self::bare(scene, theory, dynamics, unknowns, discretisation);
-        let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, needs_low_shift, ..bare };
+        let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, may_lower_shift, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -211,13 +216,18 @@ impl Model {
             reason: None,
             gauges: None,
             measures: None,
-            needs_low_shift: false,
+            may_lower_shift: false,
         }
     }
 
     /// Adds the errors of one more cause.
     fn with_error(self, cause: Cause, errors: Errors) -> Self {
         Self { error: self.error.with(cause, errors), ..self }
+    }
+
+    /// Estimated error of the deflection by the basis; NaN if it is unknown.
+    fn error_of_deflection_by_basis(&self) -> f64 {
+        self.error.of(Cause::Basis).map_or(f64::NAN, |of_basis| of_basis.deflection)
     }
 
     /// The error estimate before the first step: [`Model::error`] and the error of the patch.
@@ -231,20 +241,25 @@ impl Model {
     }
 }
 
-/// Largest value of unknowns times the square of the number of vectors of the first basis for which a second model is
-/// made. The second model then takes about a second.
-const LARGEST_COST_OF_SECOND_MODEL: f64 = 1e9;
+/// Largest number of unknowns of a spline solid for which a second model is made, which then takes about a second.
+const MOST_UNKNOWNS_OF_SECOND_SOLID: usize = 4000;
 
-/// Whether a plate or a spline solid needs a second model, on a basis with a low shift, and that model is cheap.
-fn needs_low_shift(scene: &Scene, Fitted { reduced, unknowns, cells, .. }: &Fitted) -> bool {
-    let is_poor = reduced.error.deflection > LARGE_ERROR_OF_DEFLECTION;
+/// Whether a body can be reduced a second time, to a basis with a low shift, in about a second. `vectors` is the number
+/// of vectors of the first basis.
+pub fn is_quickly_reduced_again(scene: &Scene, theory: scene::Model, unknowns: usize, vectors: usize) -> bool {
+    // With pads, each impact that is computed on a basis takes long.
+    !scene.is_on_pads()
+        && cost(unknowns, vectors) <= LARGEST_COST_FOR_DEFLECTIONS
+        && (theory != scene::Model::Solid || unknowns <= MOST_UNKNOWNS_OF_SECOND_SOLID)
+}
+
+/// Whether a second model of a plate or a spline solid, on a basis with a low shift, is possible and cheap.
+fn may_lower_shift(scene: &Scene, theory: scene::Model, Fitted { reduced, unknowns, cells, .. }: &Fitted) -> bool {
     // Bases whose short waves are treated separately have all slow vibrations.
     let has_all_waves = reduced.projection.infinite_plate.is_none();
-    let cost = *unknowns as f64 * (reduced.projection.vectors() as f64).powi(2);
-    is_poor
-        && has_all_waves
+    has_all_waves
         && cells.is_some()
-        && cost <= LARGEST_COST_OF_SECOND_MODEL
+        && is_quickly_reduced_again(scene, theory, *unknowns, reduced.projection.vectors())
         && scene.body.reduction == scene::Reduction::Auto
         && !scene.has_low_shift()
 }

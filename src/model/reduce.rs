@@ -237,7 +237,9 @@ pub fn reduce_from(
                     failed = is_smaller_used.then_some(*smaller);
                     let plate = projection.infinite_plate.clone();
                     let plate = plate.as_ref();
-                    let rule = Rule { scene, watch, start, vectors: count, smaller: *smaller, factors, plate };
+                    let unknowns = body.unknowns();
+                    let rule =
+                        Rule { scene, watch, start, unknowns, vectors: count, smaller: *smaller, factors, plate };
                     let judgement = match rule.judge_on(&projection, [judge, &mut trial], &mut trials, enough) {
                         Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
                         Err(error) if enough => return Err(error),

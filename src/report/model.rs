@@ -1,5 +1,6 @@
 //! Section of a report with the model, the reason for its selection, its estimated errors and its assumptions.
 
+use crate::model::LARGE_ERROR_OF_DEFLECTION;
 use crate::record::provenance::ModelDetails;
 use crate::record::stress::Stresses;
 use crate::scene::{Model, Scene};
@@ -122,7 +123,10 @@ fn is_theory_left_out(data: &Data) -> bool {
 /// Estimated error of the deflection under the impactor; `None` if it is not estimated.
 pub fn deflection_error(data: &Data) -> Option<Estimate> {
     let error = data.cost.deflection_error_estimate;
-    let of = "of its largest value, over the whole history".to_owned();
+    let mut of = "of its largest value, over the whole history".to_owned();
+    if error > LARGE_ERROR_OF_DEFLECTION {
+        of += "; accuracy.quantity = \"deflection\" may lower it. Deflections elsewhere may have errors as large";
+    }
     (!error.is_nan()).then(|| Estimate { value: percent(error), of })
 }
 

@@ -36,6 +36,10 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
 /// Error over the whole history relative to the error in the first contact, above which later times are more sensitive.
 const GROWTH: f64 = 1.2;
 
+/// Note on a basis that may lack the rotations of a free body.
+pub const UNESTIMATED_ROTATIONS: &str = "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
+                                         accuracy.quantity = \"deflection\" includes them";
+
 /// Error in the first contact over the peak, above which a time history is of no use.
 pub const USELESS: f64 = 0.5;
 
@@ -140,11 +144,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     }
     let is_unknown = estimate.of(Cause::Basis).is_some_and(|of_basis| of_basis.deflection.is_nan());
     if is_unknown && scene.basis_may_lack_rotations() {
-        missed.push(
-            "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
-             accuracy.quantity = \"deflection\" includes them"
-                .to_owned(),
-        );
+        missed.push(UNESTIMATED_ROTATIONS.to_owned());
     }
     // The verdict has named an error that hardly grows after the first contact.
     let grows = errors.history > GROWTH * errors.first_contact;

@@ -3,7 +3,9 @@
 mod accuracy;
 mod scene;
 
-pub use accuracy::{USELESS, Verdict, describe_model, missed, note_of_measure, verdict, why_unestimated};
+pub use accuracy::{
+    UNESTIMATED_ROTATIONS, USELESS, Verdict, describe_model, missed, note_of_measure, verdict, why_unestimated,
+};
 pub use scene::{missing_faces, near_clamped_edge, notes, of_geometry, of_values};
 
 /// A warning or note about a scene or its result.

@@ -15,7 +15,9 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{self, Cause, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
-use crate::model::{BASIS_SHARE, Dynamics, JudgeBasis, Linearity, Model, edges, largest_linear};
+use crate::model::{
+    BASIS_SHARE, Dynamics, JudgeBasis, LARGE_ERROR_OF_DEFLECTION, Linearity, Model, edges, largest_linear,
+};
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;
@@ -59,6 +61,8 @@ struct Kept {
     is_interpolated: bool,
     /// Same as [`Model::is_moved_by_loads`]: the basis is not for contacts.
     is_moved_by_loads: bool,
+    /// Same as [`Model::may_lower_shift`].
+    may_lower_shift: bool,
 }
 
 /// The impact for which a basis was made.
@@ -122,7 +126,7 @@ impl<'a> Bodies<'a> {
             None => self.of_body(scene, interrupted)?,
         };
         let poor = match &tried {
-            Ok(Some(tried)) => tried.first > SLACK * BASIS_SHARE * scene.tolerance,
+            Ok(Some(tried)) => tried.needs_own_basis || tried.first > SLACK * BASIS_SHARE * scene.tolerance,
             Ok(None) => false,
             // A patch or a basis made for another impact may be unsuitable for this one.
             Err(_) => true,
@@ -222,6 +226,7 @@ impl<'a> Bodies<'a> {
             made_for: None,
             is_interpolated: true,
             is_moved_by_loads: false,
+            may_lower_shift: false,
         }))
     }
 
@@ -246,14 +251,20 @@ impl<'a> Bodies<'a> {
             }
             let all = self.grouping.members_on(&body);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
-            let scene_of = |value: f64| self.scene_on(&all, value);
-            // If one body of the family fails, the other members may still be computed separately.
-            let family = match Family::new(&self.comm, &values, &scene_of, watch) {
-                Ok(family) => family,
-                Err(Error::Solve(_) | Error::Fault(_)) => None,
-                Err(error) => return Err(error),
+            let family = |limits_deflection_error: bool| {
+                let scene_of = |value: f64| Ok(Scene { limits_deflection_error, ..self.scene_on(&all, value)? });
+                // If one body of the family fails, the other members may still be computed separately.
+                match Family::new(&self.comm, &values, &scene_of, watch) {
+                    Err(Error::Solve(_) | Error::Fault(_)) => Ok(None),
+                    family => family,
+                }
             };
-            self.families.get_or_insert_with(body.clone(), || family);
+            let mut made = family(false)?;
+            let named = self.named(scene.clone());
+            if watch.decided(made.as_ref().is_some_and(|made| made.needs_low_shift(&named))) {
+                made = family(true)?;
+            }
+            self.families.get_or_insert_with(body.clone(), || made);
         }
         let of_theory = self.error_of_theory(scene);
         let theory = self.named(scene.clone()).body.model;
@@ -270,6 +281,7 @@ impl<'a> Bodies<'a> {
                 made_for: None,
                 is_interpolated: false,
                 is_moved_by_loads: false,
+                may_lower_shift: false,
             }
         }))
     }
@@ -307,7 +319,7 @@ impl Kept {
         let of_model = of_theory.joined(of_cells);
         let made_for = model.error.of(Cause::Basis);
         let made_for = made_for.map(|of_basis| MadeFor { scene: Box::new(scene.clone()), of_basis });
-        let Model { theory, dynamics, judge, unknowns, gauges, is_moved_by_loads, .. } = model;
+        let Model { theory, dynamics, judge, unknowns, gauges, is_moved_by_loads, may_lower_shift, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);
         let judge = judge.map(JudgeBasis::into_modal);
         match dynamics {
@@ -323,6 +335,7 @@ impl Kept {
                     made_for,
                     is_interpolated,
                     is_moved_by_loads,
+                    may_lower_shift,
                 })
             }
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
@@ -417,7 +430,8 @@ impl Kept {
         let unknowns = self.unknowns + 1;
         let outcome =
             Computed { error_estimate, first_error, deflection_error, deflection_over_thickness, unknowns, tension };
-        Ok(Some(Tried { steps, first: of_basis.of(scene.measure), outcome }))
+        let needs_own_basis = self.may_lower_shift && of_basis.deflection > LARGE_ERROR_OF_DEFLECTION;
+        Ok(Some(Tried { steps, first: of_basis.of(scene.measure), needs_own_basis, outcome }))
     }
 }
 
@@ -426,5 +440,7 @@ struct Tried {
     steps: Vec<Step>,
     /// Estimated error of the basis in the quantity that the tolerance applies to.
     first: f64,
+    /// Whether a basis with a low shift is needed for the deflection, and the member's own model has one.
+    needs_own_basis: bool,
     outcome: Computed,
 }

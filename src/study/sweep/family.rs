@@ -8,7 +8,10 @@ use crate::error::Result;
 use crate::impact::{Errors, ModalImpact, Readout};
 use crate::material::Maxwell;
 use crate::model::watch::Watch;
-use crate::model::{BASIS_SHARE, Built, CellSize, Gauges, Operators, build, cell_size, rate, reduce};
+use crate::model::{
+    BASIS_SHARE, Built, CellSize, Gauges, LARGE_ERROR_OF_DEFLECTION, Operators, build, cell_size,
+    is_quickly_reduced_again, rate, reduce,
+};
 use crate::scene::Scene;
 
 /// Least number of values for which a merged basis is made. Fewer are computed one by one.
@@ -35,6 +38,8 @@ pub struct Family {
     errors: Vec<(f64, Errors)>,
     /// Number of unknowns of the bodies before reduction.
     pub unknowns: usize,
+    /// Number of vectors of the merged basis.
+    vectors: usize,
     /// Readout of the stresses on faces.
     pub readout: Option<Readout>,
 }
@@ -148,13 +153,21 @@ impl Family {
             *error = Errors { history, ..error.joined(of_cells).joined(of_basis) };
         }
         let basis = merged.basis();
+        let vectors = basis.len();
         let readout = match operators(0, size)? {
             Some((Operators { evaluator, .. }, scene)) if scene.output.is_read() && !basis.is_empty() => {
                 Some(Gauges::new(comm, &scene, evaluator, unknowns, Some(basis))?.readout)
             }
             _ => None,
         };
-        Ok(Some(Self { merged, errors, unknowns, readout }))
+        Ok(Some(Self { merged, errors, unknowns, vectors, readout }))
+    }
+
+    /// Whether the error of the deflection is large, and a family of bases with a low shift is made quickly.
+    pub fn needs_low_shift(&self, scene: &Scene) -> bool {
+        let error = self.errors.iter().map(|(_, errors)| errors.deflection).fold(0.0, f64::max);
+        let is_quick = is_quickly_reduced_again(scene, scene.body.model, self.unknowns, self.vectors);
+        error > LARGE_ERROR_OF_DEFLECTION && is_quick && !scene.has_low_shift()
     }
 
     /// The body at a value with the given chains, on the basis and on the larger one, with the errors of the interval
