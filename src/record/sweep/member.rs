@@ -50,9 +50,9 @@ pub enum Quantity {
     ErrorEstimate,
     /// Error of the acceleration in the first contact divided by its peak, as estimated before the first step.
     FirstContactError,
-    /// Displacement of the surface under the impactor with the largest magnitude, signed, m.
+    /// Largest magnitude of the displacement of the surface under the impactor, m.
     LargestDeflection,
-    /// Estimated error of that displacement over the whole history, divided by its largest magnitude.
+    /// Estimated error of that displacement over the whole history, divided by its largest magnitude; NaN without one.
     DeflectionErrorEstimate,
     /// Largest deflection under the impactor divided by the thickness of the body.
     DeflectionOverThickness,
@@ -160,10 +160,9 @@ impl Member {
             self.set(Quantity::PeakAcceleration, step.impactor.acceleration);
             self.set(Quantity::PeakTime, step.time);
         }
-        let deflection = step.contact.surface_displacement;
-        if step.number == 0 || deflection.abs() > self.get(Quantity::LargestDeflection).abs() {
-            self.set(Quantity::LargestDeflection, deflection);
-        }
+        // The maximum ignores NaN, with which a member begins.
+        let deflection = step.contact.surface_displacement.abs();
+        self.set(Quantity::LargestDeflection, self.get(Quantity::LargestDeflection).max(deflection));
         self.set(Quantity::ReboundSpeed, step.impactor.velocity);
         if let Some(series) = self.series.as_mut().filter(|_| step.number.is_multiple_of(every)) {
             series.iter_mut().zip(&SERIES).for_each(|(values, column)| values.push((column.value)(step)));
