@@ -244,11 +244,13 @@ impl Model {
 /// Largest number of unknowns of a spline solid for which a second model is made, which then takes about a second.
 const MOST_UNKNOWNS_OF_SECOND_SOLID: usize = 4000;
 
-/// Whether a body can be reduced a second time, to a basis with a low shift, in about a second. `vectors` is the number
-/// of vectors of the first basis.
+/// Whether a body may be reduced a second time, to a basis with a low shift, and this takes about a second. `vectors` is
+/// the number of vectors of the first basis.
 pub fn is_quickly_reduced_again(scene: &Scene, theory: scene::Model, unknowns: usize, vectors: usize) -> bool {
-    // With pads, each impact that is computed on a basis takes long.
-    !scene.is_on_pads()
+    scene.body.reduction == scene::Reduction::Auto
+        && !scene.has_low_shift()
+        // With pads, each impact that is computed on a basis takes long.
+        && !scene.is_on_pads()
         && cost(unknowns, vectors) <= LARGEST_COST_FOR_DEFLECTIONS
         && (theory != scene::Model::Solid || unknowns <= MOST_UNKNOWNS_OF_SECOND_SOLID)
 }
@@ -257,9 +259,5 @@ pub fn is_quickly_reduced_again(scene: &Scene, theory: scene::Model, unknowns: u
 fn may_lower_shift(scene: &Scene, theory: scene::Model, Fitted { reduced, unknowns, cells, .. }: &Fitted) -> bool {
     // Bases whose short waves are treated separately have all slow vibrations.
     let has_all_waves = reduced.projection.infinite_plate.is_none();
-    has_all_waves
-        && cells.is_some()
-        && is_quickly_reduced_again(scene, theory, *unknowns, reduced.projection.vectors())
-        && scene.body.reduction == scene::Reduction::Auto
-        && !scene.has_low_shift()
+    has_all_waves && cells.is_some() && is_quickly_reduced_again(scene, theory, *unknowns, reduced.projection.vectors())
 }

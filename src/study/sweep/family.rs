@@ -166,8 +166,8 @@ impl Family {
     /// Whether the error of the deflection is large, and a family of bases with a low shift is made quickly.
     pub fn needs_low_shift(&self, scene: &Scene) -> bool {
         let error = self.errors.iter().map(|(_, errors)| errors.deflection).fold(0.0, f64::max);
-        let is_quick = is_quickly_reduced_again(scene, scene.body.model, self.unknowns, self.vectors);
-        error > LARGE_ERROR_OF_DEFLECTION && is_quick && !scene.has_low_shift()
+        error > LARGE_ERROR_OF_DEFLECTION
+            && is_quickly_reduced_again(scene, scene.body.model, self.unknowns, self.vectors)
     }
 
     /// The body at a value with the given chains, on the basis and on the larger one, with the errors of the interval
