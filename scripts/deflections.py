@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from estimate_scenes import MATERIALS, Draw, Scene, halton
-from estimates import cubic
+from estimates import cubic, percent
 from markers import replace, table
 
 TOLERANCE = 1e-2
@@ -19,11 +19,6 @@ SAMPLES = range(1, 25)
 WIDEST_SOLID = 16
 EDGES = ("free", 1e8, 1e10, "held")
 HEAD = ["plate", "impactor", "end", "default: vectors", "default: error (estimate)", "`\"deflection\"`: vectors", "`\"deflection\"`: error (estimate)", "against a solid, without contact (estimate)", "against a solid, in contact (0.3 F/(E h))"]
-
-
-def percent(x):
-    """Per cent with two digits, or without decimals from 100%."""
-    return f"{100 * x:.0f}%" if x >= 1 else f"{100 * x:.2g}%"
 
 
 def drawn(number):

@@ -133,8 +133,8 @@ def judge(program, out, number):
 
 
 def percent(x):
-    """Two digits, as a part of a hundred."""
-    return f"{100 * x:.2g}%"
+    """Per cent with two digits, or without decimals from 100%."""
+    return f"{100 * x:.0f}%" if x >= 1 else f"{100 * x:.2g}%"
 
 
 def ratios(rows, quantity, floor=0.0):
