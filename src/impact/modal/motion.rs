@@ -119,7 +119,7 @@ impl<'a> Motion<'a> {
             _ if self.force == 0.0 => 0.0,
             // With damping, Ḟ depends on δ̈; it follows from the force's quadratic over the last step.
             Some(([a, b, c], step)) if self.law.damping > 0.0 => (a - 4.0 * b + 3.0 * c) / step,
-            _ => self.law.tangent(self.approach) * self.rate(),
+            _ => self.law.tangent_at(self.law.indentation(self.approach, self.force)) * self.rate(),
         }
     }
 

@@ -25,6 +25,9 @@ pub struct Stage {
 /// Solves δ_i + Σ_j s_ij Φ(δ_j) = δ*_i at h/2 and h from a guess of both (m). Here δ* is the approach under the first
 /// value of the force alone, which is known. If `held`, the last force is zero. `None` if Newton's method does not
 /// converge.
+///
+/// If the law's compliance is negative, it becomes part of s, and the unknowns are the indentations. The force is
+/// explicit in them.
 pub fn solve(
     law: &Law,
     response: &StepResponse,
@@ -34,14 +37,24 @@ pub fn solve(
     held: bool,
 ) -> Option<Stage> {
     let known = NODES.map(|k| free[k] - response.responses(k)[0] * first);
-    let s = NODES.map(|k| [response.responses(k)[1], response.responses(k)[2]]);
-    let law_at = |place: usize, approach: f64| match held && place == 1 {
+    let mut s = NODES.map(|k| [response.responses(k)[1], response.responses(k)[2]]);
+    let mut x = guess;
+    let is_explicit = law.is_explicit_in_indentation();
+    if is_explicit {
+        (0..2).for_each(|i| s[i][i] -= law.compliance);
+        x = guess.map(|approach| law.indentation(approach, first));
+    }
+    let law_at = |place: usize, x: f64| match held && place == 1 {
         true => (0.0, 0.0),
-        false => law.force_and_tangent(approach),
+        false if is_explicit => (law.force_law.force(x), law.force_law.tangent(x)),
+        false => law.force_and_tangent(x),
+    };
+    let law_near = |_, approach: f64, force: f64| match is_explicit {
+        true => law.force_near(approach, force),
+        false => law.force(approach),
     };
     let residual = |x: [f64; 2], f: [f64; 2]| [0, 1].map(|i| x[i] + s[i][0] * f[0] + s[i][1] * f[1] - known[i]);
     let size = |r: [f64; 2]| r[0].abs().max(r[1].abs());
-    let mut x = guess;
     let mut at = [0, 1].map(|i| law_at(i, x[i]));
     let mut r = residual(x, at.map(|(f, _)| f));
     for iteration in 1..=MAX_ITERATIONS {
@@ -52,7 +65,7 @@ pub fn solve(
         if size(r) <= rounding {
             // The last correction is applied to the forces. A stiff contact needs them to more digits than δ provides.
             let force = [0, 1].map(|i| (at[i].0 - t[i] * change[i]).max(0.0));
-            return Some(finish(response, free, [first, force[0], force[1]], iteration, |_, at| law.force(at)));
+            return Some(finish(response, free, [first, force[0], force[1]], iteration, law_near));
         }
         let (old, mut part) = (size(r), 1.0);
         let start = x;
@@ -67,7 +80,7 @@ pub fn solve(
             part *= 0.5;
         }
         if part < 1e-3 {
-            let finish = || finish(response, free, [first, at[0].0, at[1].0], iteration, |_, at| law.force(at));
+            let finish = || finish(response, free, [first, at[0].0, at[1].0], iteration, law_near);
             return (old <= 1e3 * rounding).then(finish);
         }
     }
@@ -118,7 +131,9 @@ pub fn solve_damped(
         let rounding = 8.0 * f64::EPSILON * (size(f) + first + steepest * extent);
         let finished = |f: [f64; 2]| {
             let rates = slopes(approaches(f), response.step);
-            finish(response, free, [first, f[0], f[1]], iteration, |sample, at| law.damped(at, rates[sample + 1]).force)
+            finish(response, free, [first, f[0], f[1]], iteration, |sample, at, _| {
+                law.damped(at, rates[sample + 1]).force
+            })
         };
         if size(r) <= rounding {
             return Some(finished(f));
@@ -154,18 +169,22 @@ fn solve_pair(a: [[f64; 2]; 2], r: [f64; 2]) -> Option<[f64; 2]> {
     x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
-/// Returns the stage of given forces; `force_at` is the contact law's force at a point of [`SAMPLE_POINTS`] and its δ.
+/// Returns the stage of given forces; `force_at` is the contact law's force at a point of [`SAMPLE_POINTS`], its δ and the
+/// force of the quadratic.
 fn finish(
     response: &StepResponse,
     free: [f64; 4],
     force: [f64; 3],
     iterations: usize,
-    force_at: impl Fn(usize, f64) -> f64,
+    force_at: impl Fn(usize, f64, f64) -> f64,
 ) -> Stage {
     let approach = [0, 1, 2, 3].map(|k| {
         let a = response.responses(k);
         free[k] - a[0] * force[0] - a[1] * force[1] - a[2] * force[2]
     });
-    let off = |k: usize| (force_at(k, approach[k]) - quadratic(force, SAMPLE_POINTS[k])).abs();
+    let off = |k: usize| {
+        let near = quadratic(force, SAMPLE_POINTS[k]);
+        (force_at(k, approach[k], near) - near).abs()
+    };
     Stage { force, approach, defect: off(0).max(off(2)), iterations }
 }
