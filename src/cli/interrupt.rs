@@ -40,10 +40,13 @@ impl Interrupt {
     /// Whether any rank has received a signal, and for each question in `asked` whether it is true on any rank.
     /// Collective.
     pub fn poll<const N: usize>(&self, comm: &Comm, asked: [bool; N]) -> (bool, [bool; N]) {
-        let mine: Vec<i32> = asked.into_iter().chain([self.is_raised_here()]).map(i32::from).collect();
-        let mut all = vec![0_i32; N + 1];
-        comm.mpi().all_reduce_into(&mine[..], &mut all[..], SystemOperation::max());
-        (all[N] > 0, std::array::from_fn(|n| all[n] > 0))
+        const { assert!(N < 31, "one bit for each question and one for the signal") };
+        let answers = asked.into_iter().chain([self.is_raised_here()]);
+        let mine = answers.rev().fold(0_i32, |bits, answer| 2 * bits + i32::from(answer));
+        let mut all = 0_i32;
+        comm.mpi().all_reduce_into(&mine, &mut all, SystemOperation::bitwise_or());
+        let is_true = |n: usize| all >> n & 1 == 1;
+        (is_true(N), std::array::from_fn(is_true))
     }
 
     /// Whether this rank has received a signal.

@@ -36,7 +36,7 @@ pub fn largest_principal([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> f64 {
 
 /// Returns the larger principal value of a plane stress with the components a, b and ab.
 pub fn largest_in_plane([a, b, ab]: [f64; 3]) -> f64 {
-    0.5 * (a + b) + (0.5 * (a - b)).hypot(ab)
+    0.5 * (a + b) + (0.25 * (a - b) * (a - b) + ab * ab).sqrt()
 }
 
 /// Returns the largest principal value of a stress with the in-plane components a, b, ab and the transverse components

@@ -153,16 +153,20 @@ impl<const D: usize> Tensor<D> {
     /// Same as [`Tensor::matrix`] with the integrals of earlier forms. New integrals are added to them.
     pub fn matrix_sharing(&self, forms: &[Square<D>], integrals: &mut Integrals) -> CsrMatrix<f64> {
         let count = self.fields.len();
-        let mut upper = Rows::default();
-        for f in 0..count {
-            let blocks: Vec<(usize, Vec<Term<D>>)> = (f..count)
-                .map(|g| (g, self.terms([f, g], forms, integrals)))
-                .filter(|(_, terms)| !terms.is_empty())
-                .collect();
+        let blocks: Vec<Vec<(usize, Vec<Term<D>>)>> = (0..count)
+            .map(|f| {
+                let terms = (f..count).map(|g| (g, self.terms([f, g], forms, integrals)));
+                terms.filter(|(_, terms)| !terms.is_empty()).collect()
+            })
+            .collect();
+        let entries = blocks.iter().flatten().map(|(_, terms)| coupled(terms, integrals)).sum();
+        let mut upper = Rows::with_capacity(self.unknowns(), entries);
+        let mut line = Vec::new();
+        for (f, blocks) in blocks.iter().enumerate() {
             for functions in indices(self.fields[f].each_ref().map(|spline| 0..spline.functions())) {
                 let row = self.unknown(f, functions);
-                for (g, terms) in &blocks {
-                    self.add_row((row, functions), (*g, terms), integrals, &mut upper);
+                for (g, terms) in blocks {
+                    self.add_row((row, functions), (*g, terms), integrals, (&mut line, &mut upper));
                 }
                 upper.ends.push(upper.columns.len());
             }
@@ -222,20 +226,19 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// Adds the entries of a row in the columns of one field, from the diagonal on. The row is given by its number and
-    /// functions.
+    /// functions; `line` is memory for some of them.
     fn add_row(
         &self,
         (row, functions): (usize, [usize; D]),
         (field, terms): (usize, &[Term<D>]),
         integrals: &Integrals,
-        rows: &mut Rows,
+        (line, rows): (&mut Vec<f64>, &mut Rows),
     ) {
         let met = |term: &Term<D>| -> [Range<usize>; D] {
             std::array::from_fn(|axis| integrals.products(term.axes[axis]).met[functions[axis]].clone())
         };
-        let present: Vec<&Term<D>> =
-            terms.iter().filter(|term| met(term).iter().all(|range| !range.is_empty())).collect();
-        let Some(hull) = present.iter().map(|term| met(term)).reduce(|hull, range| {
+        let is_present = |term: &&Term<D>| met(term).iter().all(|range| !range.is_empty());
+        let Some(hull) = terms.iter().filter(is_present).map(met).reduce(|hull, range| {
             std::array::from_fn(|axis| hull[axis].start.min(range[axis].start)..hull[axis].end.max(range[axis].end))
         }) else {
             return;
@@ -244,15 +247,16 @@ impl<const D: usize> Tensor<D> {
         let last = hull[D - 1].clone();
         let mut starts = hull;
         starts[D - 1] = last.start..last.start + 1;
-        let mut line = vec![0.0; last.len()];
+        line.resize(last.len(), 0.0);
         for start in indices(starts) {
             let column = self.unknown(field, start);
             if column + line.len() <= row {
                 continue;
             }
             line.fill(0.0);
-            for same in present.chunk_by(|one, other| one.axes[D - 1] == other.axes[D - 1]) {
-                let before = |term: &&Term<D>| -> f64 {
+            for same in terms.chunk_by(|one, other| one.axes[D - 1] == other.axes[D - 1]) {
+                // A term that is not present has products of zero along an axis.
+                let before = |term: &Term<D>| -> f64 {
                     let along = (0..D - 1)
                         .map(|axis| integrals.products(term.axes[axis]).values[(start[axis], functions[axis])]);
                     along.fold(term.factor, |product, value| product * value)
@@ -345,7 +349,7 @@ impl<const D: usize> Tensor<D> {
 
     /// Non-zero entries of weight · (part of v at a point), by ascending unknown.
     pub fn at_point(&self, part: Part<D>, point: [f64; D], weight: f64) -> Vec<(usize, f64)> {
-        let mut entries = Vec::new();
+        let mut entries = Vec::with_capacity(WIDTH.pow(D as u32));
         self.each_at(part, point, weight, |first, values| {
             entries.extend((first..).zip(values.iter().copied()).filter(|(_, value)| *value != 0.0));
         });
@@ -372,6 +376,15 @@ impl<const D: usize> Tensor<D> {
             }
         }
     }
+}
+
+/// Number of pairs of functions that terms couple: exact if all terms couple the same ones, otherwise an estimate.
+fn coupled<const D: usize>(terms: &[Term<D>], integrals: &Integrals) -> usize {
+    let along = |axis: usize| {
+        let of_term = |term: &Term<D>| integrals.products(term.axes[axis]).met.iter().map(Range::len).sum::<usize>();
+        terms.iter().map(of_term).max().unwrap_or(0)
+    };
+    (0..D).map(along).product()
 }
 
 /// All indices within ranges; the last index runs fastest.

@@ -3,7 +3,6 @@
 use nalgebra_sparse::CsrMatrix;
 
 /// Upper triangle of a symmetric matrix, row by row, with ascending columns.
-#[derive(Default)]
 pub struct Rows {
     /// End of each row in `columns` and `values`.
     pub ends: Vec<usize>,
@@ -14,15 +13,29 @@ pub struct Rows {
 }
 
 impl Rows {
+    /// No rows yet, with memory for some.
+    pub fn with_capacity(rows: usize, entries: usize) -> Self {
+        Self {
+            ends: Vec::with_capacity(rows),
+            columns: Vec::with_capacity(entries),
+            values: Vec::with_capacity(entries),
+        }
+    }
+
     /// Returns the full matrix, with the lower triangle added.
     pub fn mirrored(self) -> CsrMatrix<f64> {
         let Self { ends, columns, values } = self;
         let count = ends.len();
         let row = |i: usize| if i == 0 { 0..ends[0] } else { ends[i - 1]..ends[i] };
+        let right_of_diagonal = |i: usize| {
+            let row = row(i);
+            let has_diagonal = columns[row.clone()].first() == Some(&i);
+            row.start + usize::from(has_diagonal)..row.end
+        };
         let mut offsets = vec![0; count + 1];
         for i in 0..count {
             offsets[i + 1] += row(i).len();
-            columns[row(i)].iter().filter(|j| **j != i).for_each(|j| offsets[j + 1] += 1);
+            columns[right_of_diagonal(i)].iter().for_each(|j| offsets[j + 1] += 1);
         }
         for i in 0..count {
             offsets[i + 1] += offsets[i];
@@ -33,13 +46,14 @@ impl Rows {
         // When row i is reached, its lower part is complete: the rows before it have filled it in ascending order of
         // columns.
         for i in 0..count {
-            let (own, values) = (&columns[row(i)], &values[row(i)]);
-            let place = next[i]..next[i] + own.len();
-            all_columns[place.clone()].copy_from_slice(own);
-            all_values[place].copy_from_slice(values);
-            for (&j, &value) in own.iter().zip(values).skip_while(|(j, _)| **j == i) {
-                (all_columns[next[j]], all_values[next[j]]) = (i, value);
-                next[j] += 1;
+            let place = next[i]..next[i] + row(i).len();
+            all_columns[place.clone()].copy_from_slice(&columns[row(i)]);
+            all_values[place].copy_from_slice(&values[row(i)]);
+            let right = right_of_diagonal(i);
+            for (&j, &value) in columns[right.clone()].iter().zip(&values[right]) {
+                let below = &mut next[j];
+                (all_columns[*below], all_values[*below]) = (i, value);
+                *below += 1;
             }
         }
         CsrMatrix::try_from_csr_data(count, count, offsets, all_columns, all_values)

@@ -4,7 +4,7 @@
 //! to rounding. The numerical energy of a step is therefore ΔV + ∫F_d δ̇ dt − ∫F δ̇ dt, where V is the potential of the
 //! contact and F_d its damping force.
 
-use nalgebra::{Complex, DVector};
+use nalgebra::{Complex, DVectorView};
 
 use crate::body::{Forms, Modes};
 use crate::contact::Law;
@@ -91,13 +91,13 @@ impl EnergyBalance {
         &mut self,
         (modes, parameters): (&Modes, &ImpactParameters),
         moment: &Moment,
-        [x, v]: &[DVector<f64>; 2],
+        [x, v]: [DVectorView<'_, f64>; 2],
         [bent, of_support]: [f64; 2],
         exchanged: Exchanged,
     ) -> Energy {
         let forms = &modes.forms;
         let Moment { state, force, potential: contact, absent, .. } = moment;
-        let support = of_support - forms.support_load.dot(x) + forms.support_offset - absent;
+        let support = of_support - forms.support_load.dot(&x) + forms.support_offset - absent;
         let elastic = bent - of_support + 0.5 * modes.residual * force * force + state.settled * forms.rest;
         let free = modes.free;
         let (impulse, t) = (state.impulse, state.time);
@@ -105,7 +105,7 @@ impl EnergyBalance {
         let kinetic = 0.5 * (v.norm_squared() + moving);
         let impactor = 0.5 * parameters.mass * state.impactor[1] * state.impactor[1];
         let of_weight = parameters.weight * state.impactor[0];
-        let external = forms.load.dot(x) - *self.before.get_or_insert_with(|| forms.load.dot(x))
+        let external = forms.load.dot(&x) - *self.before.get_or_insert_with(|| forms.load.dot(&x))
             + free.load * state.way
             + 0.5 * free.square * t * t
             + of_weight;

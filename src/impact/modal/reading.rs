@@ -1,7 +1,7 @@
 //! Reads values from a body in modal coordinates: probes and fields at each step, stresses on faces for all steps of a
 //! run at once.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
@@ -123,7 +123,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a step, with the displacements x and velocities v of the vibrations if they are needed.
-    pub fn read(&mut self, moment: &Moment, vibration: &[DVector<f64>; 2]) -> Reading {
+    pub fn read(&mut self, moment: &Moment, vibration: [DVectorView<'_, f64>; 2]) -> Reading {
         let mut reading = Reading::default();
         if !self.is_here {
             return reading;
@@ -231,10 +231,10 @@ fn columns_on_basis(modes: &Modes) -> DMatrix<f64> {
 }
 
 /// Values of the forms `shapes` and their time derivatives, including the static response of the modes left out.
-fn values(shapes: &Shapes, moment: &Moment, [x, v]: &[DVector<f64>; 2]) -> [DVector<f64>; 2] {
+fn values(shapes: &Shapes, moment: &Moment, [x, v]: [DVectorView<'_, f64>; 2]) -> [DVector<f64>; 2] {
     let Moment { state, force, rise, .. } = moment;
     let t = state.time;
-    let value = |moving: &DVector<f64>, [way, of_load, force]: [f64; 3]| {
+    let value = |moving: DVectorView<'_, f64>, [way, of_load, force]: [f64; 3]| {
         let mut sum = &shapes.moving * moving;
         sum.axpy(way, &shapes.free[0], 1.0);
         sum.axpy(of_load, &shapes.free[1], 1.0);

@@ -3,7 +3,7 @@
 //! Energies, probes and fields follow from the displacements and velocities of the vibrations: products of the modal
 //! coordinates with matrices that may be large. These products are formed for many steps at a time.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVectorView};
 
 use crate::body::Modes;
 use crate::contact::Law;
@@ -75,6 +75,17 @@ impl Vibrations {
             places: of(&|i, k| moments[k].state.modes[i].im / frequencies[i]),
             speeds: of(&|i, k| moments[k].state.modes[i].re),
         }
+    }
+
+    /// Vibrations without values for a number of moments, if none are needed.
+    fn none(moments: usize) -> Self {
+        let none = DMatrix::zeros(0, moments);
+        Self { places: none.clone(), speeds: none }
+    }
+
+    /// Displacements x and velocities v at the moment with this number.
+    fn at(&self, number: usize) -> [DVectorView<'_, f64>; 2] {
+        [&self.places, &self.speeds].map(|all| all.column(number))
     }
 }
 
@@ -149,21 +160,21 @@ impl<'a> Recorder<'a> {
     fn complete(&mut self) {
         let moments = std::mem::take(&mut self.moments);
         let reads = self.reader.as_ref().is_some_and(Reader::needs_vibrations);
-        let vibrations = (reads || self.energies.is_some()).then(|| Vibrations::new(self.modes, &moments));
-        let bent = self.energies.as_ref().zip(vibrations.as_ref()).map(|(_, vibrations)| {
+        let vibrations = match reads || self.energies.is_some() {
+            true => Vibrations::new(self.modes, &moments),
+            false => Vibrations::none(moments.len()),
+        };
+        let bent = self.energies.as_ref().map(|_| {
             let states: Vec<_> = moments.iter().map(|moment| &moment.state.modes[..]).collect();
-            StrainEnergies::new(&self.modes.forms, vibrations, &states)
+            StrainEnergies::new(&self.modes.forms, &vibrations, &states)
         });
         for (k, mut moment) in moments.into_iter().enumerate() {
-            let column = |of: fn(&Vibrations) -> &DMatrix<f64>| -> DVector<f64> {
-                vibrations.as_ref().map_or_else(|| DVector::zeros(0), |all| of(all).column(k).into_owned())
-            };
-            let vibration = [column(|all| &all.places), column(|all| &all.speeds)];
+            let vibration = vibrations.at(k);
             if let (Some((_, balance)), Some(bent)) = (&mut self.energies, &bent) {
                 let of_step = (self.modes, self.parameters);
-                moment.step.energy = balance.energy(of_step, &moment, &vibration, bent.at(k), moment.exchanged);
+                moment.step.energy = balance.energy(of_step, &moment, vibration, bent.at(k), moment.exchanged);
             }
-            let reading = self.reader.as_mut().map_or_else(Reading::default, |reader| reader.read(&moment, &vibration));
+            let reading = self.reader.as_mut().map_or_else(Reading::default, |reader| reader.read(&moment, vibration));
             self.steps.push(Observed { step: moment.step, reading });
         }
     }

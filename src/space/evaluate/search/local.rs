@@ -58,12 +58,16 @@ impl LocalRows {
         points: &'a [(usize, Vec<[f64; 3]>)],
         contact: &ContactNow,
     ) -> impl Iterator<Item = (usize, [f64; 3])> + use<'a> {
-        let t = PointField::variable(contact.radius, self.largest);
-        let mut polynomials = vec![contact.force, contact.force * t];
-        for k in 2..self.terms {
-            polynomials.push(2.0 * t * polynomials[k - 1] - polynomials[k - 2]);
-        }
         let points = if contact.force > 0.0 { points } else { &[] };
+        let t = PointField::variable(contact.radius, self.largest);
+        let mut polynomials = Vec::new();
+        if !points.is_empty() {
+            polynomials.reserve_exact(self.terms.max(2));
+            polynomials.extend([contact.force, contact.force * t]);
+            for k in 2..self.terms {
+                polynomials.push(2.0 * t * polynomials[k - 1] - polynomials[k - 2]);
+            }
+        }
         points.iter().map(move |(point, coefficients)| {
             let mut sum = [0.0; 3];
             for (factor, of_degree) in polynomials.iter().zip(coefficients) {
