@@ -190,12 +190,18 @@ impl<'a> Bodies<'a> {
     fn make_interpolated(&mut self, ranks: &Comm, line: &BodyOf, watch: &dyn Watch) -> Result<()> {
         let all = self.grouping.members_on(line);
         let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
-        let scene_of = |value: f64| self.scene_on(&all, value);
-        let made = match Interpolated::new(ranks, &values, &scene_of, watch) {
-            Ok(made) => made,
-            Err(Error::Solve(_) | Error::Fault(_)) => None,
-            Err(error) => return Err(error),
+        let interpolated = |limits_deflection_error: bool| {
+            let scene_of = |value: f64| Ok(Scene { limits_deflection_error, ..self.scene_on(&all, value)? });
+            match Interpolated::new(ranks, &values, &scene_of, watch) {
+                Err(Error::Solve(_) | Error::Fault(_)) => Ok(None),
+                made => made,
+            }
         };
+        let first = self.scene_on(&all, values[0])?;
+        let mut made = interpolated(first.basis_may_lack_rotations())?;
+        if made.as_ref().is_some_and(|made| made.needs_low_shift(&first)) {
+            made = interpolated(true)?.or(made);
+        }
         self.relaxing.get_or_insert_with(line.clone(), || made);
         Ok(())
     }
@@ -259,8 +265,8 @@ impl<'a> Bodies<'a> {
                     family => family,
                 }
             };
-            let mut made = family(false)?;
             let named = self.named(scene.clone());
+            let mut made = family(named.basis_may_lack_rotations())?;
             if watch.decided(made.as_ref().is_some_and(|made| made.needs_low_shift(&named))) {
                 made = family(true)?;
             }
@@ -323,34 +329,29 @@ impl Kept {
         let readout = gauges.map(|gauges| gauges.readout);
         let judge = judge.map(JudgeBasis::into_modal);
         match dynamics {
-            Dynamics::Modal(body) => {
-                let is_interpolated = false;
-                Ok(Self {
-                    body,
-                    theory,
-                    judge,
-                    unknowns,
-                    readout,
-                    of_model,
-                    made_for,
-                    is_interpolated,
-                    is_moved_by_loads,
-                    may_lower_shift,
-                })
-            }
+            Dynamics::Modal(body) => Ok(Self {
+                body,
+                theory,
+                judge,
+                unknowns,
+                readout,
+                of_model,
+                made_for,
+                is_interpolated: false,
+                is_moved_by_loads,
+                may_lower_shift,
+            }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
         }
     }
 
     /// Whether the error of a member's deflection is estimated: its basis was compared with another, it has the rotations
     /// of the body, and there is no contact patch.
-    fn estimates_deflection(&self, scene: &Scene) -> bool {
+    fn estimates_deflection(&self) -> bool {
         let is_compared = self.made_for.is_some() || self.judge.is_some() || self.is_interpolated;
-        let has_rotations = match &self.made_for {
-            Some(MadeFor { of_basis, .. }) => !of_basis.deflection.is_nan(),
-            None => !scene.basis_may_lack_rotations(),
-        };
-        is_compared && has_rotations && self.body.patch.is_none()
+        // Families and interpolated bodies have a low shift if they would lack rotations.
+        let lacks_rotations = self.made_for.as_ref().is_some_and(|made_for| made_for.of_basis.deflection.is_nan());
+        is_compared && !lacks_rotations && self.body.patch.is_none()
     }
 
     /// Computes a member on this body; `None` if interrupted.
@@ -422,7 +423,7 @@ impl Kept {
         if !tension.value.is_nan() {
             tension = tension.with_error(joined(impact.count.stress_error.unwrap_or(of_steps), all.stress), scene);
         }
-        let deflection_error = if self.estimates_deflection(scene) {
+        let deflection_error = if self.estimates_deflection() {
             joined(impact.count.deflection_error.unwrap_or(of_steps), all.deflection)
         } else {
             f64::NAN

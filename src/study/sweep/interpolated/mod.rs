@@ -19,8 +19,8 @@ use crate::agree::{agree, decided};
 use crate::body::{Directions, Interpolant, ModalBody, Response};
 use crate::error::Result;
 use crate::impact::{Errors, Readout};
-use crate::model::BASIS_SHARE;
 use crate::model::watch::Watch;
+use crate::model::{BASIS_SHARE, LARGE_ERROR_OF_DEFLECTION, is_quickly_reduced_again};
 use crate::scene::{Initial, Load, Model, Scene};
 use crate::space::evaluate::FaceStresses;
 use crate::space::plate::contact_wavelength;
@@ -55,6 +55,8 @@ pub struct Interpolated {
     errors: Vec<(f64, Errors)>,
     /// Discretisation error and error of the basis.
     of_model: Errors,
+    /// Error of the basis.
+    of_basis: Errors,
     /// Interpolants of neighbouring bodies, by the index of the first body. Each is made when a member first needs it.
     between: Vec<OnceCell<Interpolant>>,
     is_geometric: bool,
@@ -120,7 +122,7 @@ impl Interpolated {
                 < (2.0 * middle / (values[0] + values[last])).ln().abs();
         let of_model = of_cells.joined(of_basis);
         let (errors, between, vectors) = (Vec::new(), Vec::new(), Vec::new());
-        let mut all = Self { shared, nodes: Vec::new(), errors, of_model, between, is_geometric, vectors };
+        let mut all = Self { shared, nodes: Vec::new(), errors, of_model, of_basis, between, is_geometric, vectors };
         let mut nodes: BTreeMap<usize, Node> = BTreeMap::new();
         // Intervals whose middle is not known yet. Initially only the ends of intervals are computed.
         let mut open: Vec<Interval> = Vec::new();
@@ -222,6 +224,12 @@ impl Interpolated {
     /// Number of unknowns of the whole bodies.
     pub fn unknowns(&self) -> usize {
         self.shared.unknowns
+    }
+
+    /// Whether the error of the deflection by the basis is large, and bodies on a basis with a low shift are made quickly.
+    pub fn needs_low_shift(&self, scene: &Scene) -> bool {
+        self.of_basis.deflection > LARGE_ERROR_OF_DEFLECTION
+            && is_quickly_reduced_again(scene, scene.body.model, self.unknowns(), self.shared.basis.count())
     }
 
     /// The interpolated body at a value for a member's run, with its errors and the readout of the nearest body's
