@@ -197,6 +197,38 @@ struct SweepFacts {
     part: Option<[usize; 2]>,
     /// Smallest and largest peak acceleration of the members that are done, m/s².
     peak_acceleration: Option<[f64; 2]>,
+    /// The same of the largest deflection under the impactor, m.
+    largest_deflection: Option<[f64; 2]>,
+    /// The same of the largest tension on all faces, Pa.
+    largest_stress: Option<[f64; 2]>,
+    /// Largest estimated errors of these members.
+    largest_error_estimates: LargestEstimates,
+}
+
+/// Largest estimated errors of the members of a sweep; `None` if no member has an estimate.
+#[derive(Serialize)]
+struct LargestEstimates {
+    /// Error of the acceleration over its peak, over the whole history.
+    acceleration: Option<f64>,
+    /// Error of the deflection under the impactor over its largest value.
+    deflection: Option<f64>,
+    /// Relative error of the largest tension.
+    stress: Option<f64>,
+}
+
+impl LargestEstimates {
+    fn print(&self) {
+        let parts = [
+            (self.acceleration, "of the acceleration"),
+            (self.deflection, "of the deflection"),
+            (self.stress, "of the tension"),
+        ];
+        let known = parts.into_iter().filter_map(|(error, what)| Some(format!("{} {what}", estimated(error?))));
+        let known: Vec<String> = known.collect();
+        if !known.is_empty() {
+            say(format_args!("errors     estimated at most: {}", known.join(", ")));
+        }
+    }
 }
 
 /// A key that is varied.
@@ -211,9 +243,13 @@ impl SweepFacts {
     fn of(sweep: &Sweep) -> Self {
         let header = &sweep.header;
         let count = |status: Status| sweep.status.iter().filter(|one| **one == status).count();
-        let peaks = sweep.quantity(Quantity::PeakAcceleration);
-        let done =
-            || sweep.status.iter().zip(peaks).filter(|(status, _)| **status == Status::Done).map(|(_, peak)| *peak);
+        // Values of the members that are done and have one.
+        let of = |quantity: Quantity| {
+            let members = sweep.status.iter().zip(sweep.quantity(quantity));
+            members.filter(|(status, value)| **status == Status::Done && !value.is_nan()).map(|(_, value)| *value)
+        };
+        let most = |quantity: Quantity| of(quantity).reduce(f64::max);
+        let range = |quantity: Quantity| Some([of(quantity).reduce(f64::min)?, most(quantity)?]);
         Self {
             title: header.title.clone(),
             version: header.version.clone(),
@@ -230,7 +266,14 @@ impl SweepFacts {
             refused: count(Status::Refused),
             missing: count(Status::Missing),
             part: header.shard.map(|(i, n)| [i, n]),
-            peak_acceleration: done().reduce(f64::min).zip(done().reduce(f64::max)).map(|(low, high)| [low, high]),
+            peak_acceleration: range(Quantity::PeakAcceleration),
+            largest_deflection: range(Quantity::LargestDeflection),
+            largest_stress: range(Quantity::LargestStress),
+            largest_error_estimates: LargestEstimates {
+                acceleration: most(Quantity::ErrorEstimate),
+                deflection: most(Quantity::DeflectionErrorEstimate),
+                stress: most(Quantity::StressErrorEstimate),
+            },
         }
     }
 
@@ -255,9 +298,17 @@ impl SweepFacts {
             self.missing,
             self.part.map_or(String::new(), |[i, n]| format!("; part {i} of {n}"))
         ));
-        if let Some([low, high]) = self.peak_acceleration {
-            say(format_args!("peaks      {} to {} m/s²", short(low), short(high)));
+        let ranges = [
+            ("peaks     ", self.peak_acceleration, 1.0, "m/s²"),
+            ("deflection", self.largest_deflection, 1e3, "mm"),
+            ("tension   ", self.largest_stress, 1e-6, "MPa"),
+        ];
+        for (name, range, factor, unit) in ranges {
+            if let Some([low, high]) = range {
+                say(format_args!("{name} {} to {} {unit}", short(factor * low), short(factor * high)));
+            }
         }
+        self.largest_error_estimates.print();
     }
 }
 

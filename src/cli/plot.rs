@@ -112,13 +112,14 @@ fn of_members(name: &str) -> Result<(record::Quantity, figure::Quantity)> {
     let (dataset, label) = match name {
         DEFAULT | "peak_acceleration" => ("peak_acceleration", "peak acceleration".to_owned()),
         "force" => ("peak_force", "peak force".to_owned()),
+        "deflection" => ("largest_deflection", "largest deflection".to_owned()),
         "stress" | "largest_stress" => ("largest_stress", "largest tension".to_owned()),
         other => (other, other.replace('_', " ")),
     };
     let Some((quantity, unit)) = record::Quantity::named(dataset) else {
         let names: Vec<&str> = record::Quantity::names().collect();
         return Err(Error::Usage(format!(
-            "--quantity {name}: a sweep has acceleration, force, stress, {}",
+            "--quantity {name}: a sweep has acceleration, force, deflection, stress, {}",
             names.join(", ")
         )));
     };

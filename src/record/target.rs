@@ -146,9 +146,10 @@ pub(super) fn beside(path: &Path, ending: &str) -> Result<PathBuf> {
 pub(super) fn remove_parts(path: &Path) {
     let path = resolved(path);
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return };
+    let prefix = format!(".{name}.");
     for entry in fs::read_dir(folder(&path)).into_iter().flatten().flatten() {
         let file = entry.file_name();
-        let process = file.to_str().and_then(|file| file.strip_prefix(&format!(".{name}."))?.strip_suffix(".part"));
+        let process = file.to_str().and_then(|file| file.strip_prefix(&prefix)?.strip_suffix(".part"));
         if process.is_some_and(|process| !process.is_empty() && process.bytes().all(|byte| byte.is_ascii_digit())) {
             let _ = fs::remove_file(entry.path());
         }

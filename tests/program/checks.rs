@@ -7,6 +7,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::bad_meshes::{TWO, sample};
+use crate::glass;
 use crate::program::{BOX, Outcome, ricochet, run};
 use crate::results::{self, folder, good, words};
 
@@ -16,6 +17,7 @@ pub const TESTS: &[PlainTest] = tests![
     odd_values_are_warned_of_and_computed,
     two_physical_volumes_are_refused,
     facts_for_programs,
+    poor_deflections_are_noted,
     a_slow_scene_is_answered_soon,
 ];
 
@@ -62,6 +64,18 @@ fn a_mesh_is_measured() {
     }
     let said = good(&folder, 0, "check scene.toml").stdout;
     assert!(said.contains("surface    \"side\": 4.0000 m²") && said.contains("whole boundary: 6.0000 m²"), "{said}");
+}
+
+/// Ten vectors represent the force of a light impactor, but not the vibrations after it has left. `check` says so as `run`
+/// does, and not of the basis that is chosen by default.
+fn poor_deflections_are_noted() {
+    let body = "model = \"mindlin\"\nsize = [0.5, 0.4, 0.02]";
+    let folder = folder(&glass::scene(body, "mass = 0.05\nspeed = 1.0", "end = 4e-3", ""));
+    let few = "scene.toml --set body.reduction=10";
+    let noted = "error of the deflection under the impactor, over the whole history, is";
+    assert!(good(&folder, 0, &format!("run {few} -o run.h5")).stderr.contains(noted));
+    assert!(good(&folder, 0, &format!("check {few}")).stdout.contains(noted));
+    assert!(!good(&folder, 0, "check scene.toml").stdout.contains(noted));
 }
 
 fn what_looks_wrong_with_a_mesh_is_warned_of() {

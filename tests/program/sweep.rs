@@ -3,6 +3,7 @@
 use crate::results;
 use mpi_test::{PlainTest, tests};
 use std::path::Path;
+use tempfile::TempDir;
 
 use crate::program::{ricochet, run};
 use crate::results::{column, folder, good, number, pane, text, words};
@@ -190,6 +191,10 @@ fn a_family_has_the_deflections_of_a_light_ball() {
     let ball = "--set body.model=mindlin --set impactor.mass=5e-3 --set impactor.radius=5e-3 --set impactor.speed=3";
     good(&folder, 0, &format!("sweep scene.toml {ball} --vary support.0.stiffness=1e6..1e10:24 --log -o s.h5"));
     let sweep = file(&folder, "s.h5");
+    info_prints_the_ranges_of(&folder, &sweep);
+    good(&folder, 0, "plot s.h5 --quantity deflection -o deflection.svg");
+    let figure = std::fs::read_to_string(file(&folder, "deflection.svg")).unwrap();
+    assert!(figure.contains("largest deflection"), "{figure}");
     for n in [0, 23] {
         let stiffness = members(&sweep, "vary/support.0.stiffness")[n];
         let set = format!("{ball} --set support.0.stiffness={stiffness:e} --set accuracy.tolerance=3e-3");
@@ -201,6 +206,25 @@ fn a_family_has_the_deflections_of_a_light_ball() {
         println!("{stiffness:e}: {found:.3e} {largest:.3e}, estimate {estimate:.1e}");
         assert!((found / largest - 1.0).abs() < estimate + 3e-3 && estimate < 0.1, "{found} {largest} {estimate}");
     }
+}
+
+/// The ranges and the largest estimates that `info` prints are those of the members.
+fn info_prints_the_ranges_of(folder: &TempDir, sweep: &Path) {
+    let facts = good(folder, 0, "info s.h5 --json").stdout;
+    let facts: serde_json::Value = serde_json::from_str(&facts).expect("facts");
+    // The text has all digits of a number; its reader may change the last one.
+    let is = |value: &serde_json::Value, wanted: f64| (value.as_f64().unwrap() / wanted - 1.0).abs() < 1e-15;
+    let largest = |name: &str| members(sweep, name).into_iter().fold(0.0, f64::max);
+    let smallest = |name: &str| members(sweep, name).into_iter().fold(f64::MAX, f64::min);
+    for name in ["peak_acceleration", "largest_deflection", "largest_stress"] {
+        let [low, high] = [&facts[name][0], &facts[name][1]];
+        assert!(is(low, smallest(name)) && is(high, largest(name)), "{name}: {facts}");
+    }
+    let errors = &facts["largest_error_estimates"];
+    assert!(is(&errors["acceleration"], largest("error_estimate")), "{facts}");
+    assert!(is(&errors["deflection"], largest("deflection_error_estimate")), "{facts}");
+    let text = good(folder, 0, "info s.h5").stdout;
+    assert!(["peaks ", "deflection ", "tension ", "errors "].iter().all(|name| text.contains(name)), "{text}");
 }
 
 /// A family varies one property only: it does not cover other changes of the support, nor a theory without supports.
@@ -440,7 +464,7 @@ fn what_no_figure_shows_is_said() {
         ("plot words.h5 three.h5 -o f.png", "words.h5: a sweep has a figure of its own"),
         (
             "plot three.h5 -o f.png --quantity velocity",
-            "--quantity velocity: a sweep has acceleration, force, stress, peak_force",
+            "--quantity velocity: a sweep has acceleration, force, deflection, stress, peak_force",
         ),
     ] {
         let outcome = run(ricochet(folder.path(), 0).args(words(line)));

@@ -95,6 +95,31 @@ pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
     ))
 }
 
+/// Notes on the deflection if its estimated error is large or unknown, and the tolerance applies to another quantity.
+pub fn of_deflection(estimate: &ErrorEstimate, scene: &Scene) -> Vec<String> {
+    let mut notes = Vec::new();
+    let of_basis = estimate.of(Cause::Basis).map(|of_basis| of_basis.deflection);
+    // With a contact patch, only the error by the basis is known.
+    let error = estimate.of_deflection().max(of_basis.unwrap_or(f64::NAN));
+    let applies = match scene.measure {
+        Measure::Acceleration => "acceleration",
+        Measure::Stress => "largest tension",
+        Measure::Deflection => return notes,
+    };
+    if error > LARGE_ERROR_OF_DEFLECTION {
+        notes.push(format!(
+            "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value. \
+             Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only; \
+             accuracy.quantity = \"deflection\" may lower this error",
+            estimated(error)
+        ));
+    }
+    if of_basis.is_some_and(f64::is_nan) && scene.basis_may_lack_rotations() {
+        notes.push(UNESTIMATED_ROTATIONS.to_owned());
+    }
+    notes
+}
+
 /// Notes on errors above the tolerance, including the errors of the time steps. The error before the steps has its own
 /// [`verdict`]: `was_warned` says whether it was already above the tolerance. If the `largest` tension has no estimate,
 /// for example at a clamped edge, the estimate is for the tension under the impact point.
@@ -122,30 +147,16 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             remedies_of_stress()
         ));
     }
-    let of_deflection = estimate.of_deflection();
-    if measure == Measure::Deflection && !was_warned && of_deflection > tolerance {
+    let error_of_deflection = estimate.of_deflection();
+    if measure == Measure::Deflection && !was_warned && error_of_deflection > tolerance {
         missed.push(format!(
             "the estimated error of the deflection under the impactor, including that of the steps, is {} of its largest value, \
              above accuracy.tolerance = {tolerance:e}; what may lower it: {}",
-            beside(of_deflection, tolerance),
+            beside(error_of_deflection, tolerance),
             remedies(&estimate.causes_to_mend(measure, tolerance), scene)
         ));
     }
-    // With a contact patch, only the error by the basis is known.
-    let of_deflection = estimate.of(Cause::Basis).map_or(f64::NAN, |of_basis| of_basis.deflection).max(of_deflection);
-    if measure != Measure::Deflection && of_deflection > LARGE_ERROR_OF_DEFLECTION {
-        let applies = if measure == Measure::Stress { "largest tension" } else { "acceleration" };
-        missed.push(format!(
-            "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value. \
-             Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only; \
-             accuracy.quantity = \"deflection\" may lower this error",
-            estimated(of_deflection)
-        ));
-    }
-    let is_unknown = estimate.of(Cause::Basis).is_some_and(|of_basis| of_basis.deflection.is_nan());
-    if is_unknown && scene.basis_may_lack_rotations() {
-        missed.push(UNESTIMATED_ROTATIONS.to_owned());
-    }
+    missed.extend(of_deflection(estimate, scene));
     // The verdict has named an error that hardly grows after the first contact.
     let grows = errors.history > GROWTH * errors.first_contact;
     let is_told = was_warned && measure == Measure::Acceleration && !grows;
