@@ -171,9 +171,9 @@ pub struct Plot {
     /// Figure; its ending says what it is: .svg or .png
     #[arg(short, long, value_name = "FIG.svg")]
     pub output: PathBuf,
-    /// What to draw: acceleration (default), force, stress (largest tension on each face); of runs also velocity, position, indentation,
-    /// deflection, energy, stress_map, stress_map/FACE, or a dataset below /series such as probe/NAME/displacement; of a sweep also a
-    /// dataset below /members
+    /// What to draw: acceleration (default), force, deflection, stress (largest tension on each face); of runs also velocity,
+    /// position, indentation, energy, stress_map, stress_map/FACE, or a dataset below /series such as probe/NAME/displacement; of a
+    /// sweep also a dataset below /members
     #[arg(long, value_name = "NAME")]
     pub quantity: Option<String>,
 }

@@ -108,8 +108,8 @@ impl Law {
         approach + self.compliance * force
     }
 
-    /// Whether it is of use to calculate with the indentation instead of the approach: Φ(α) is then explicit and F(δ) is
-    /// not, and the law is valid for all indentations.
+    /// Whether a step is better solved for the indentation than for the approach: Φ(α) is explicit and F(δ) is not, and
+    /// the law is valid for all indentations.
     pub fn is_explicit_in_indentation(&self) -> bool {
         self.compliance < 0.0 && self.force_law.end().is_infinite()
     }
@@ -120,7 +120,7 @@ impl Law {
     }
 
     /// Force without damping (N) at an approach (m) for which a similar force (N) is known: one step of Newton's method,
-    /// with an error of second order in the difference of the two forces. It requires that Φ′ c_l is well below 1.
+    /// with an error of second order in the difference of the two forces. Φ′ c_l must be negative, or well below 1.
     pub fn force_near(&self, approach: f64, force: f64) -> f64 {
         let indentation = self.indentation(approach, force);
         let difference = self.force_law.force(indentation) - force;

@@ -226,7 +226,7 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// Adds the entries of a row in the columns of one field, from the diagonal on. The row is given by its number and
-    /// functions; `line` is memory for some of them.
+    /// functions; `line` is a buffer.
     fn add_row(
         &self,
         (row, functions): (usize, [usize; D]),

@@ -91,7 +91,7 @@ pub struct Scene {
     /// Quantity to which the tolerance applies.
     pub measure: Measure,
     /// Whether the basis must also limit the estimated error of the deflection, although the tolerance does not apply to
-    /// it. A scene file never sets it, only [`Model::watched`](crate::model::Model::watched).
+    /// it. No scene file sets it; it is set where a model is made again for the deflection.
     pub limits_deflection_error: bool,
     /// Tensile strength of the material.
     pub strength: Strength,

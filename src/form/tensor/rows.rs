@@ -13,7 +13,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// No rows yet, with memory for some.
+    /// No rows yet, with reserved capacity.
     pub fn with_capacity(rows: usize, entries: usize) -> Self {
         Self {
             ends: Vec::with_capacity(rows),

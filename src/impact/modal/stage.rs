@@ -26,8 +26,8 @@ pub struct Stage {
 /// value of the force alone, which is known. If `held`, the last force is zero. `None` if Newton's method does not
 /// converge.
 ///
-/// If the law's compliance is negative, it becomes part of s, and the unknowns are the indentations. The force is
-/// explicit in them.
+/// If the law's compliance is negative, it becomes part of s, and the unknowns are the indentations, in which the force is
+/// explicit. For a law that is much stiffer than the body this may not converge; the unknowns are then the approaches.
 pub fn solve(
     law: &Law,
     response: &StepResponse,
@@ -36,10 +36,23 @@ pub fn solve(
     guess: [f64; 2],
     held: bool,
 ) -> Option<Stage> {
+    let solve = |is_explicit: bool| newton(law, response, free, first, guess, held, is_explicit);
+    if law.is_explicit_in_indentation() { solve(true).or_else(|| solve(false)) } else { solve(false) }
+}
+
+/// Newton's method for [`solve`], with the indentations (`is_explicit`) or the approaches as unknowns.
+fn newton(
+    law: &Law,
+    response: &StepResponse,
+    free: [f64; 4],
+    first: f64,
+    guess: [f64; 2],
+    held: bool,
+    is_explicit: bool,
+) -> Option<Stage> {
     let known = NODES.map(|k| free[k] - response.responses(k)[0] * first);
     let mut s = NODES.map(|k| [response.responses(k)[1], response.responses(k)[2]]);
     let mut x = guess;
-    let is_explicit = law.is_explicit_in_indentation();
     if is_explicit {
         (0..2).for_each(|i| s[i][i] -= law.compliance);
         x = guess.map(|approach| law.indentation(approach, first));

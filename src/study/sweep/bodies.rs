@@ -10,6 +10,7 @@ use super::family::{self, Family};
 use super::grouping::{Found, Grouping, Line};
 use super::interpolated::{self, Interpolated};
 use super::member::Computed;
+use crate::agree::decided;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
@@ -198,8 +199,10 @@ impl<'a> Bodies<'a> {
             }
         };
         let first = self.scene_on(&all, values[0])?;
-        let mut made = interpolated(first.basis_may_lack_rotations())?;
-        if made.as_ref().is_some_and(|made| made.needs_low_shift(&first)) {
+        let lacks_rotations = has_automatic_basis(&first) && first.basis_may_lack_rotations();
+        let mut made = interpolated(lacks_rotations)?;
+        let is_poor = || Ok(!lacks_rotations && made.as_ref().is_some_and(|made| made.needs_low_shift(&first)));
+        if decided(ranks, is_poor)? {
             made = interpolated(true)?.or(made);
         }
         self.relaxing.get_or_insert_with(line.clone(), || made);
@@ -266,9 +269,11 @@ impl<'a> Bodies<'a> {
                 }
             };
             let named = self.named(scene.clone());
-            let mut made = family(named.basis_may_lack_rotations())?;
-            if watch.decided(made.as_ref().is_some_and(|made| made.needs_low_shift(&named))) {
-                made = family(true)?;
+            let lacks_rotations = has_automatic_basis(&named) && named.basis_may_lack_rotations();
+            let mut made = family(lacks_rotations)?;
+            let is_poor = !lacks_rotations && made.as_ref().is_some_and(|made| made.needs_low_shift(&named));
+            if watch.decided(is_poor) {
+                made = family(true)?.or(made);
             }
             self.families.get_or_insert_with(body.clone(), || made);
         }
@@ -347,10 +352,13 @@ impl Kept {
 
     /// Whether the error of a member's deflection is estimated: its basis was compared with another, it has the rotations
     /// of the body, and there is no contact patch.
-    fn estimates_deflection(&self) -> bool {
+    fn estimates_deflection(&self, scene: &Scene) -> bool {
         let is_compared = self.made_for.is_some() || self.judge.is_some() || self.is_interpolated;
-        // Families and interpolated bodies have a low shift if they would lack rotations.
-        let lacks_rotations = self.made_for.as_ref().is_some_and(|made_for| made_for.of_basis.deflection.is_nan());
+        let lacks_rotations = match &self.made_for {
+            Some(MadeFor { of_basis, .. }) => of_basis.deflection.is_nan(),
+            // Automatic bases of families and of interpolated bodies have a low shift if they would lack rotations.
+            None => scene.basis_may_lack_rotations() && !has_automatic_basis(scene),
+        };
         is_compared && !lacks_rotations && self.body.patch.is_none()
     }
 
@@ -423,7 +431,7 @@ impl Kept {
         if !tension.value.is_nan() {
             tension = tension.with_error(joined(impact.count.stress_error.unwrap_or(of_steps), all.stress), scene);
         }
-        let deflection_error = if self.estimates_deflection() {
+        let deflection_error = if self.estimates_deflection(scene) {
             joined(impact.count.deflection_error.unwrap_or(of_steps), all.deflection)
         } else {
             f64::NAN
@@ -434,6 +442,11 @@ impl Kept {
         let needs_own_basis = self.may_lower_shift && of_basis.deflection > LARGE_ERROR_OF_DEFLECTION;
         Ok(Some(Tried { steps, first: of_basis.of(scene.measure), needs_own_basis, outcome }))
     }
+}
+
+/// Whether the number of basis vectors follows from the tolerance.
+fn has_automatic_basis(scene: &Scene) -> bool {
+    scene.body.reduction == scene::Reduction::Auto
 }
 
 /// Result of computing a member.
