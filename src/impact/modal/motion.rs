@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::solve::root::RootSearch;
 
 use super::foundations::{FoundationForces, FoundationState};
-use super::stage::{Stage, solve, solve_damped};
+use super::stage::{ContactStep, Stage, solve_damped};
 use super::step_response::{FreeBody, SAMPLE_POINTS, State, StepResponse, SurfaceRate};
 
 /// Largest number of halvings of the step.
@@ -330,7 +330,7 @@ impl<'a> Motion<'a> {
             if self.law.damping > 0.0 {
                 return solve_damped(&self.law, table, (self.approach, free), self.force, guess, held);
             }
-            solve(&self.law, table, free, self.force, guess, held)
+            ContactStep { law: &self.law, response: table, free, first: self.force, guess, held }.solve()
         };
         let free = table.free(&self.state, self.impactor.gap);
         match &self.foundations {

@@ -22,85 +22,89 @@ pub struct Stage {
     pub iterations: usize,
 }
 
-/// Solves δ_i + Σ_j s_ij Φ(δ_j) = δ*_i at h/2 and h from a guess of both (m). Here δ* is the approach under the first
-/// value of the force alone, which is known. If `held`, the last force is zero. `None` if Newton's method does not
-/// converge.
-///
-/// If the law's compliance is negative, it becomes part of s, and the unknowns are the indentations, in which the force is
-/// explicit. For a law that is much stiffer than the body this may not converge; the unknowns are then the approaches.
-pub fn solve(
-    law: &Law,
-    response: &StepResponse,
-    free: [f64; 4],
-    first: f64,
-    guess: [f64; 2],
-    held: bool,
-) -> Option<Stage> {
-    let solve = |is_explicit: bool| newton(law, response, free, first, guess, held, is_explicit);
-    if law.is_explicit_in_indentation() { solve(true).or_else(|| solve(false)) } else { solve(false) }
+/// A step in contact without damping.
+pub struct ContactStep<'a> {
+    /// Contact law Φ.
+    pub law: &'a Law,
+    /// Response of body and impactor over the step.
+    pub response: &'a StepResponse,
+    /// Approach at [`SAMPLE_POINTS`] without a contact force, m.
+    pub free: [f64; 4],
+    /// Contact force at the beginning of the step, N.
+    pub first: f64,
+    /// Guess of the approach at h/2 and h, m.
+    pub guess: [f64; 2],
+    /// Whether the contact force at the end of the step is zero.
+    pub held: bool,
 }
 
-/// Newton's method for [`solve`], with the indentations (`is_explicit`) or the approaches as unknowns.
-fn newton(
-    law: &Law,
-    response: &StepResponse,
-    free: [f64; 4],
-    first: f64,
-    guess: [f64; 2],
-    held: bool,
-    is_explicit: bool,
-) -> Option<Stage> {
-    let known = NODES.map(|k| free[k] - response.responses(k)[0] * first);
-    let mut s = NODES.map(|k| [response.responses(k)[1], response.responses(k)[2]]);
-    let mut x = guess;
-    if is_explicit {
-        (0..2).for_each(|i| s[i][i] -= law.compliance);
-        x = guess.map(|approach| law.indentation(approach, first));
+impl ContactStep<'_> {
+    /// Solves δ_i + Σ_j s_ij Φ(δ_j) = δ*_i at h/2 and h. Here δ* is the approach under the first value of the force alone,
+    /// which is known. `None` if Newton's method does not converge.
+    ///
+    /// If the law's compliance is negative, it becomes part of s, and the unknowns are the indentations, in which the force
+    /// is explicit. For a law that is much stiffer than the body this may not converge; the unknowns are then the
+    /// approaches.
+    pub fn solve(&self) -> Option<Stage> {
+        let explicit = self.law.is_explicit_in_indentation().then(|| self.newton(true));
+        explicit.flatten().or_else(|| self.newton(false))
     }
-    let law_at = |place: usize, x: f64| match held && place == 1 {
-        true => (0.0, 0.0),
-        false if is_explicit => (law.force_law.force(x), law.force_law.tangent(x)),
-        false => law.force_and_tangent(x),
-    };
-    let law_near = |_, approach: f64, force: f64| match is_explicit {
-        true => law.force_near(approach, force),
-        false => law.force(approach),
-    };
-    let residual = |x: [f64; 2], f: [f64; 2]| [0, 1].map(|i| x[i] + s[i][0] * f[0] + s[i][1] * f[1] - known[i]);
-    let size = |r: [f64; 2]| r[0].abs().max(r[1].abs());
-    let mut at = [0, 1].map(|i| law_at(i, x[i]));
-    let mut r = residual(x, at.map(|(f, _)| f));
-    for iteration in 1..=MAX_ITERATIONS {
-        let rounding = 4.0 * f64::EPSILON * (x[0].abs() + x[1].abs() + known[0].abs() + known[1].abs());
-        let t = at.map(|(_, tangent)| tangent);
-        let jacobian = [[1.0 + s[0][0] * t[0], s[0][1] * t[1]], [s[1][0] * t[0], 1.0 + s[1][1] * t[1]]];
-        let change = solve_pair(jacobian, r)?;
-        if size(r) <= rounding {
-            // The last correction is applied to the forces. A stiff contact needs them to more digits than δ provides.
-            let force = [0, 1].map(|i| (at[i].0 - t[i] * change[i]).max(0.0));
-            return Some(finish(response, free, [first, force[0], force[1]], iteration, law_near));
+
+    /// Newton's method with the indentations (`is_explicit`) or the approaches as unknowns.
+    fn newton(&self, is_explicit: bool) -> Option<Stage> {
+        let Self { law, response, free, first, guess, held } = *self;
+        let known = NODES.map(|k| free[k] - response.responses(k)[0] * first);
+        let mut s = NODES.map(|k| [response.responses(k)[1], response.responses(k)[2]]);
+        let mut x = guess;
+        if is_explicit {
+            (0..2).for_each(|i| s[i][i] -= law.compliance);
+            x = guess.map(|approach| law.indentation(approach, first));
         }
-        let (old, mut part) = (size(r), 1.0);
-        let start = x;
-        loop {
-            x = [0, 1].map(|i| start[i] - part * change[i]);
-            at = [0, 1].map(|i| law_at(i, x[i]));
-            r = residual(x, at.map(|(f, _)| f));
-            // Rounding can end the decrease of the residual before the bound is reached.
-            if size(r) < old || part < 1e-3 {
-                break;
+        let law_at = |place: usize, x: f64| match held && place == 1 {
+            true => (0.0, 0.0),
+            false if is_explicit => (law.force_law.force(x), law.force_law.tangent(x)),
+            false => law.force_and_tangent(x),
+        };
+        let law_near = |_, approach: f64, force: f64| match is_explicit {
+            true => law.force_near(approach, force),
+            false => law.force(approach),
+        };
+        let residual = |x: [f64; 2], f: [f64; 2]| [0, 1].map(|i| x[i] + s[i][0] * f[0] + s[i][1] * f[1] - known[i]);
+        let size = |r: [f64; 2]| r[0].abs().max(r[1].abs());
+        let mut at = [0, 1].map(|i| law_at(i, x[i]));
+        let mut r = residual(x, at.map(|(f, _)| f));
+        for iteration in 1..=MAX_ITERATIONS {
+            let rounding = 4.0 * f64::EPSILON * (x[0].abs() + x[1].abs() + known[0].abs() + known[1].abs());
+            let t = at.map(|(_, tangent)| tangent);
+            let jacobian = [[1.0 + s[0][0] * t[0], s[0][1] * t[1]], [s[1][0] * t[0], 1.0 + s[1][1] * t[1]]];
+            let change = solve_pair(jacobian, r)?;
+            if size(r) <= rounding {
+                // The last correction is applied to the forces. A stiff contact needs them to more digits than δ provides.
+                let force = [0, 1].map(|i| (at[i].0 - t[i] * change[i]).max(0.0));
+                return Some(finish(response, free, [first, force[0], force[1]], iteration, law_near));
             }
-            part *= 0.5;
+            let (old, mut part) = (size(r), 1.0);
+            let start = x;
+            loop {
+                x = [0, 1].map(|i| start[i] - part * change[i]);
+                at = [0, 1].map(|i| law_at(i, x[i]));
+                r = residual(x, at.map(|(f, _)| f));
+                // Rounding can end the decrease of the residual before the bound is reached.
+                if size(r) < old || part < 1e-3 {
+                    break;
+                }
+                part *= 0.5;
+            }
+            if part < 1e-3 {
+                let finish = || finish(response, free, [first, at[0].0, at[1].0], iteration, law_near);
+                return (old <= 1e3 * rounding).then(finish);
+            }
         }
-        if part < 1e-3 {
-            let finish = || finish(response, free, [first, at[0].0, at[1].0], iteration, law_near);
-            return (old <= 1e3 * rounding).then(finish);
-        }
+        None
     }
-    None
 }
 
-/// Same as [`solve`] for a force that also depends on δ̇. The rate is the derivative of the quartic through δ at the
+/// Solves a step as [`ContactStep::solve`] does, for a force that also depends on δ̇. The rate is the derivative of the quartic through δ at the
 /// beginning of the step and at [`SAMPLE_POINTS`].
 ///
 /// Newton's method is applied to the forces at h/2 and h: F_i = Φ(δ_i, δ̇_i), where δ and δ̇ are linear in the forces.
