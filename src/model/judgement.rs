@@ -28,8 +28,8 @@ const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 pub const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
 
 /// Largest [`cost`] of a basis that is enlarged, or made again, to limit the error of the deflection. A plate of this cost
-/// takes about a second.
-pub(super) const LARGEST_COST_FOR_DEFLECTIONS: f64 = 1e8;
+/// takes about a second, a laminate two.
+pub(super) const LARGEST_COST_FOR_DEFLECTIONS: f64 = 4e8;
 
 /// Measure of the cost of a basis: unknowns times the square of the number of vectors.
 pub(super) fn cost(unknowns: usize, vectors: usize) -> f64 {
