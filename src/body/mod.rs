@@ -70,7 +70,7 @@ pub use pads::{PadOnSurface, PadPoints, Pads};
 pub use projection::Projection;
 pub use rectangular_plate::{BendingWaves, EdgeSprings, RectangularPlate};
 pub use relaxation::{ProjectedRelaxation, Relaxation};
-pub use response::{Directions, Interpolant, Response};
+pub use response::{Directions, Interpolant, Noticeable, Response};
 pub(crate) use shapes::{Forms, Shapes};
 pub use shift::{rates, vectors_over_one_shift};
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};

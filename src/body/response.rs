@@ -22,14 +22,13 @@ use super::{BlockMatrix, Projection};
 use crate::contact::Patch;
 use numbers::Numbers;
 
-/// Vibrations are left out if together they contribute at most this part of the motion of the impact point. An
-/// estimate.
-const LEFT_OUT: f64 = 1e-4;
-
 /// Least cosine of the angle between the residues of one vibration in two bodies, and largest relative change of its
 /// rate.
 const LEAST_MODE_COSINE: f64 = 0.9;
 const LARGEST_RATE_CHANGE: f64 = 0.2;
+
+/// Part of its amplitude that a vibration may lose within a run without effect.
+const NEGLIGIBLE_DECAY: f64 = 1e-3;
 
 /// Ratio to the largest stress of a direction below which the stress of another direction is rounding.
 const STRESSLESS: f64 = 1e-6;
@@ -41,6 +40,8 @@ type Rates = Vec<(Complex<f64>, Complex<f64>)>;
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(into = "Numbers", from = "Numbers")]
 pub struct Response {
+    /// Duration of the run, s.
+    end: f64,
     modes: Rates,
     /// Matrix Y of the basis coordinates y = Re(Y z), with one column for each coordinate z.
     places: DMatrix<Complex<f64>>,
@@ -56,11 +57,10 @@ pub struct Response {
 }
 
 impl Response {
-    /// Creates the response of a body reduced to the shared basis, with its modes, for runs of length `end` (s). Loads
-    /// are left out.
-    pub fn new(projection: &Projection, modes: &Modes, end: f64) -> Self {
+    /// Creates the response of a body reduced to the shared basis, with its noticeable modes. Loads are left out.
+    pub fn new(projection: &Projection, modes: &Modes, noticeable: Noticeable) -> Self {
         let Shapes { moving, free, residual, rest } = &modes.shapes;
-        let kept = kept(&modes.modes, end);
+        let kept = noticeable.of(&modes.modes);
         let mut places = match &modes.forms.damped {
             Some([places, _]) => places.times_from_left(moving).select_columns(&kept),
             // x = Im z/ω.
@@ -74,8 +74,9 @@ impl Response {
         let own: Vec<&Mode> = kept.iter().map(|&k| &modes.modes[k]).collect();
         places.column_iter_mut().zip(&own).for_each(|(mut column, mode)| column *= mode.input);
         let own_modes: Vec<_> = own.into_iter().map(|mode| (mode.rate, mode.output * mode.input)).collect();
-        let (coordinates, places) = with_common_rates(&own_modes, &places, CommonRates::new(end));
+        let (coordinates, places) = with_common_rates(&own_modes, &places, CommonRates::new(noticeable.end));
         Self {
+            end: noticeable.end,
             modes: coordinates,
             places,
             free: modes.free,
@@ -258,14 +259,15 @@ impl Interpolant {
         let mut modes = Vec::with_capacity(count);
         let mode = |rate, output, input: f64| Mode { rate, input: Complex::new(input, 0.0), load: zero, output };
         for (numbers, mut column) in self.followed.iter().zip(places.column_iter_mut()) {
-            let (mut rate, mut output) = (zero, zero);
+            let (mut decay, mut frequency, mut output) = (MeanDecay::new(all[0].end), 0.0, zero);
             for ((body, weight), &number) in bodies().zip(numbers) {
-                let (of_rate, of_output) = body.modes[number];
-                rate += of_rate * weight;
+                let (rate, of_output) = body.modes[number];
+                decay.add(-rate.re, weight);
+                frequency += rate.im * weight;
                 output += of_output * weight;
                 column.zip_apply(&body.places.column(number), |sum, entry| *sum += entry * weight);
             }
-            modes.push(mode(rate, output, 1.0));
+            modes.push(mode(Complex::new(-decay.rate(), frequency), output, 1.0));
         }
         for ((body, weight), numbers) in bodies().zip(&self.apart) {
             for &number in numbers {
@@ -297,41 +299,127 @@ impl Interpolant {
     }
 }
 
-/// Returns the numbers of the coordinates that noticeably move the impact point within a time (s).
-fn kept(modes: &[Mode], end: f64) -> Vec<usize> {
-    let reach = |mode: &Mode| (mode.output * mode.input).norm() / mode.rate.norm().max(1.0 / end);
-    let all: f64 = modes.iter().map(reach).sum();
-    let mut order: Vec<(f64, usize)> = modes.iter().map(reach).zip(0..).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut sum = 0.0;
-    // (All creep motions are kept; common rates replace them by a few.)
-    let is_kept = |(reach, number): &(f64, usize)| {
-        if modes[*number].rate.im == 0.0 {
-            return true;
+/// Decay rate λ of a vibration, interpolated between bodies. Damping changes with temperature by orders of magnitude, so
+/// that a polynomial in λ may become negative. The logarithm of λT + [`NEGLIGIBLE_DECAY`] is interpolated, where T is the
+/// duration of the run, and kept above its smallest value.
+struct MeanDecay {
+    end: f64,
+    mean: f64,
+    smallest: f64,
+}
+
+impl MeanDecay {
+    fn new(end: f64) -> Self {
+        Self { end, mean: 0.0, smallest: f64::INFINITY }
+    }
+
+    /// Adds the rate of one body, 1/s, with its weight.
+    fn add(&mut self, rate: f64, weight: f64) {
+        let logarithm = ((rate * self.end).max(0.0) + NEGLIGIBLE_DECAY).ln();
+        self.mean += weight * logarithm;
+        self.smallest = self.smallest.min(logarithm);
+    }
+
+    /// The interpolated rate, 1/s.
+    fn rate(&self) -> f64 {
+        (self.mean.max(self.smallest).exp() - NEGLIGIBLE_DECAY) / self.end
+    }
+}
+
+/// Which modes move the impact point noticeably.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noticeable {
+    /// Duration of a contact, s.
+    pub contact: f64,
+    /// Duration of the run, s.
+    pub end: f64,
+    /// Largest part of the motion that all other modes together may have.
+    pub left_out: f64,
+}
+
+impl Noticeable {
+    /// Returns the numbers of the modes that are noticeable within a contact or within the run. (A slow mode, such as
+    /// that of a rigid body on soft supports, moves the impact point furthest within the run, but hardly within a
+    /// contact.)
+    fn of(&self, modes: &[Mode]) -> Vec<usize> {
+        let mut is_noticeable = vec![false; modes.len()];
+        for time in [self.contact, self.end] {
+            let mut order: Vec<(f64, usize)> = modes.iter().map(|mode| reach(mode, time)).zip(0..).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let all: f64 = order.iter().map(|(reach, _)| reach).sum();
+            let mut sum = 0.0;
+            for (reach, number) in order {
+                // (All creep motions are kept; common rates replace them by a few.)
+                let is_creep = modes[number].rate.im == 0.0;
+                sum += if is_creep { 0.0 } else { reach };
+                is_noticeable[number] |= is_creep || sum > self.left_out * all;
+            }
         }
-        sum += reach;
-        sum > LEFT_OUT * all
-    };
-    let mut kept: Vec<usize> = order.into_iter().filter(is_kept).map(|(_, number)| number).collect();
-    kept.sort_unstable();
-    kept
+        (0..modes.len()).filter(|&number| is_noticeable[number]).collect()
+    }
+}
+
+/// Bound, to a factor of about 1, for the displacement of the impact point within a time (s) of a unit force: the
+/// integral of e^{σt} (Re c · cos ωt − Im c · sin ωt), where c is the product of output and input.
+fn reach(mode: &Mode, time: f64) -> f64 {
+    let (amplitude, rate) = (mode.output * mode.input, mode.rate.norm());
+    let time = time.min(1.0 / rate);
+    (amplitude.re.abs() + amplitude.im.abs() * rate * time) * time
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The mode of a rigid body on soft springs moves furthest within the run. It does not hide a vibration that counts
+    /// within a contact, however soft the springs are; a vibration that counts nowhere is left out.
+    #[test]
+    fn soft_springs_hide_no_vibration() {
+        let contact = 1e-4;
+        let noticeable = Noticeable { contact, end: 1e-2, left_out: 1e-4 };
+        for spring_rate in [1e1, 1e2, 1e3] {
+            // sin(ωt)/(mω) for a unit impulse, with m in kg.
+            let mode = |rate: f64, mass: f64| Mode {
+                rate: Complex::new(0.0, rate),
+                input: Complex::new(1.0, 0.0),
+                load: Complex::new(0.0, 0.0),
+                output: Complex::new(0.0, -1.0 / (mass * rate)),
+            };
+            let modes = [mode(spring_rate, 1.0), mode(1.0 / contact, 20.0), mode(10.0 / contact, 2e4)];
+            assert_eq!(noticeable.of(&modes), [0, 1], "{spring_rate}");
+        }
+    }
+
+    /// Damping that grows by orders of magnitude from body to body stays positive between them, and close to its true
+    /// value where it matters within the run.
+    #[test]
+    fn damping_stays_positive() {
+        let nodes: [f64; 4] = [0.0, 1.0, 2.0, 3.0];
+        let rate = |p: f64| 1e-2 * 20.0_f64.powf(p);
+        for p in (0..=30).map(|k| 0.1 * f64::from(k)) {
+            let mut decay = MeanDecay::new(1.0);
+            for node in nodes {
+                let others = nodes.into_iter().filter(|other| *other != node);
+                decay.add(rate(node), others.map(|other| (p - other) / (node - other)).product());
+            }
+            // e^{-λt} up to t = 1: interpolation of λ itself errs by more than 1 and amplifies.
+            let error = ((-decay.rate()).exp() - (-rate(p)).exp()).abs();
+            assert!(decay.rate() > 0.0 && error < 1e-2, "{p}: {} {}", decay.rate(), rate(p));
+        }
+    }
+
     /// A vibration that is followed through all bodies becomes one coordinate, with rate and residue of the parameter
     /// in between. Creep motions are taken from each body, scaled by its weight.
     #[test]
     fn vibrations_go_on() {
         let number = Complex::new;
-        let rate = |p: f64| number(-0.1 * p, 10.0 + 0.3 * p * p);
+        let rate = |p: f64| number(NEGLIGIBLE_DECAY - (0.1 * p).exp(), 10.0 + 0.3 * p * p);
         let output = |p: f64| number(0.2 * p * p * p, -1.0);
         let body = |p: f64| {
             let mut others = Shapes::zero(3);
             others.residual[2] = p;
             Response {
+                end: 1.0,
                 modes: vec![(rate(p), output(p)), (number(-p - 1.0, 0.0), number(0.1, 0.0))],
                 places: DMatrix::from_fn(3, 2, |i, k| number((i + k) as f64 + 0.1 * p, 1.0 - k as f64)),
                 free: Free::default(),

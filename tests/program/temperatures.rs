@@ -11,6 +11,8 @@ pub const TESTS: &[PlainTest] = tests![
     temperatures_on_a_shared_basis_are_within_their_estimates,
     temperatures_between_bodies_are_within_their_estimates,
     interpolated_panes_rotate,
+    interpolated_panes_on_soft_springs_keep_their_force,
+    interpolated_deflections_after_short_contacts_are_right,
 ];
 
 /// Sweeps over many temperatures, which interpolate between the results of a few bodies. At some temperatures in
@@ -46,12 +48,25 @@ fn temperatures_between_bodies_are_within_their_estimates() {
 /// A free pane that is hit off its centre rotates, also between the temperatures at which bodies are made. (On a basis for
 /// the force, the deflection was 47% too large.)
 fn interpolated_panes_rotate() {
-    let folder = folder(&pane(&[6.9e6, 3.9e6, 2.3e6]));
     let ball = "--set body.size=[0.15,0.15] --set impactor.mass=0.3 --set impactor.point=[0.04,0.03]";
-    good(&folder, 0, &format!("sweep scene.toml {ball} --vary body.temperature=0..38:20 -o s.h5"));
+    interpolated_deflections_agree(&pane(&[6.9e6, 3.9e6, 2.3e6]), ball);
+}
+
+/// After a short contact the deflection depends on the damping, which changes by orders of magnitude with the temperature.
+/// Bodies are made at more temperatures for it than for the force. (Without them the estimated error was 4.)
+fn interpolated_deflections_after_short_contacts_are_right() {
+    let ball = "--set body.size=[0.15,0.12] --set impactor.mass=0.05 --set impactor.radius=0.0115 --set time.end=0.01";
+    interpolated_deflections_agree(&supported(&[6.9e6, 3.9e6, 2.3e6], 1e9), ball);
+}
+
+/// Sweeps over 20 temperatures with the given options, and compares the deflection at two of them, where no bodies are
+/// made first, with that of a run with a smaller tolerance.
+fn interpolated_deflections_agree(scene: &str, options: &str) {
+    let folder = folder(scene);
+    good(&folder, 0, &format!("sweep scene.toml {options} --vary body.temperature=0..38:20 -o s.h5"));
     let sweep = folder.path().join("s.h5");
     for member in [3, 16] {
-        let set = format!("{ball} --set body.temperature={} --set accuracy.tolerance=5e-3", 2 * member);
+        let set = format!("{options} --set body.temperature={} --set accuracy.tolerance=5e-3", 2 * member);
         good(&folder, 0, &format!("run scene.toml {set} --set accuracy.quantity=deflection -o run.h5"));
         let deflection = column(&folder.path().join("run.h5"), "contact/surface_displacement");
         let largest = deflection.into_iter().map(f64::abs).fold(0.0, f64::max);
@@ -60,6 +75,25 @@ fn interpolated_panes_rotate() {
         let error = (found / largest - 1.0).abs();
         // The error of the reference is added to the estimate.
         assert!(error <= estimate + 5e-3 && estimate < 0.1, "{member}: {error:e} {estimate:e}");
+    }
+}
+
+/// On soft springs a pane moves far within the run, as a whole, but not within a contact. Its vibrations still take part.
+/// (They were left out, the more the softer the springs: at 1e5 N/m³ the force was twice as large.)
+fn interpolated_panes_on_soft_springs_keep_their_force() {
+    let scene = supported(&[6.9e6, 3.9e6, 2.3e6], 1e5);
+    let folder = folder(&scene);
+    let ball = "--set impactor.mass=0.5 --set impactor.radius=0.025 --set time.end=0.01";
+    good(&folder, 0, &format!("sweep scene.toml {ball} --vary body.temperature=0..38:20 -o s.h5"));
+    let sweep = folder.path().join("s.h5");
+    for member in [3, 16] {
+        let set = format!("{ball} --set body.temperature={} --set accuracy.tolerance=5e-3", 2 * member);
+        good(&folder, 0, &format!("run scene.toml {set} -o run.h5"));
+        let own = column(&folder.path().join("run.h5"), "contact/force").into_iter().fold(0.0, f64::max);
+        let [peak, estimate] = ["peak_force", "first_contact_error"].map(|name| members(&sweep, name)[member]);
+        let error = (peak / own - 1.0).abs();
+        // The estimate is within 1.3 tolerances: interpolation has a part beside the parts of a single run.
+        assert!(error <= estimate && estimate < 2.6e-2, "{member}: {error:e} {estimate:e}");
     }
 }
 
@@ -101,6 +135,12 @@ fn pane(moduli: &[f64]) -> String {
          [time]\nend = 6e-4\n[accuracy]\ntolerance = 2e-2\n",
         terms.join(", ")
     )
+}
+
+/// The pane on springs along its edges, N/m³.
+fn supported(moduli: &[f64], stiffness: f64) -> String {
+    let support = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\n";
+    format!("{}{support}stiffness = [0, 0, {stiffness:e}]\n", pane(moduli))
 }
 
 /// Far from the glass transition the time–temperature shift is extrapolated, which is noted.

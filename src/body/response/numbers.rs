@@ -11,6 +11,7 @@ use crate::contact::Patch;
 /// Plain numbers of a [`Response`].
 #[derive(Serialize, Deserialize)]
 pub struct Numbers {
+    end: f64,
     /// Real and imaginary parts of λ and of the output, for each coordinate.
     modes: Vec<[f64; 4]>,
     /// Real and imaginary parts of Y, by columns.
@@ -29,9 +30,11 @@ pub struct Numbers {
 
 impl From<Response> for Numbers {
     fn from(response: Response) -> Self {
-        let Response { modes, places, free, residual, others, hit_stress, compliance, multiplicity, patch } = response;
+        let Response { end, modes, places, free, residual, others, hit_stress, compliance, multiplicity, patch } =
+            response;
         let Shapes { free: [way, of_load], residual: of_force, rest, .. } = others;
         Self {
+            end,
             modes: modes.iter().map(|(rate, output)| [rate.re, rate.im, output.re, output.im]).collect(),
             places: places.iter().map(|entry| [entry.re, entry.im]).collect(),
             free: [free.mobility, free.load, free.square],
@@ -49,6 +52,7 @@ impl From<Response> for Numbers {
 impl From<Numbers> for Response {
     fn from(numbers: Numbers) -> Self {
         let Numbers {
+            end,
             modes,
             places,
             free,
@@ -65,6 +69,7 @@ impl From<Numbers> for Response {
         let [mobility, load, square] = free;
         let rows = hit_stress.len() / vectors.max(1);
         Self {
+            end,
             places: DMatrix::from_iterator(vectors, modes.len(), places.iter().map(|[re, im]| Complex::new(*re, *im))),
             modes: modes.iter().map(|[re, im, c, d]| (Complex::new(*re, *im), Complex::new(*c, *d))).collect(),
             free: Free { mobility, load, square },

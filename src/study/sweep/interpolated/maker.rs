@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Node;
 use super::between;
 use crate::body::{
-    Assembled, Columns, DiagonalSymmetry, Interpolant, ModalBody, Response, excited, main_directions,
+    Assembled, Columns, DiagonalSymmetry, Interpolant, ModalBody, Noticeable, Response, excited, main_directions,
     orthonormal_basis, project, snapshots,
 };
 use crate::error::{Error, Result};
@@ -17,6 +17,10 @@ use crate::scene::{Body, Scene};
 
 /// Smallest weight of the directions kept in the basis, relative to the tolerance.
 const DEPTH: f64 = 0.03;
+
+/// Part of the motion of the impact point that vibrations which are left out may have, relative to the tolerance. An
+/// estimate.
+const LEFT_OUT_PER_TOLERANCE: f64 = 5e-3;
 
 /// Settings for building bodies: all have the same cells, and each is built by one rank alone.
 #[derive(Clone)]
@@ -183,7 +187,12 @@ impl SharedBasis {
         let modal = ModalBody::of(&projection);
         let mut impact = ModalImpact::new(scene, &modal).without_energies();
         let (exact, _) = impact.trace(Some(self.steps))?;
-        let response = Response::new(&projection, &*impact.modes(&self.steps)?, scene.time.end);
+        let noticeable = Noticeable {
+            contact: scene.impactor.contact_time(),
+            end: scene.time.end,
+            left_out: LEFT_OUT_PER_TOLERANCE * scene.tolerance,
+        };
+        let response = Response::new(&projection, &*impact.modes(&self.steps)?, noticeable);
         let alone = Interpolant::new(&[&response]).sum(&[&response], &[1.0]);
         let of_response = self.difference(&exact, scene, &alone);
         let of_interpolation = match between(others, value, is_geometric) {

@@ -35,6 +35,12 @@ const MAX_BODIES: usize = 65;
 /// Share of the tolerance for the interpolation error.
 const INTERPOLATION_SHARE: f64 = 0.3;
 
+/// Largest interpolation error of the deflection below which no more bodies are made for it.
+const ERROR_OF_DEFLECTION: f64 = INTERPOLATION_SHARE * LARGE_ERROR_OF_DEFLECTION;
+
+/// Share of the tolerance for the error of the simplifications in each response.
+const RESPONSE_SHARE: f64 = 0.1;
+
 /// Smallest assumed ratio of the error of cubic interpolation to the error with intervals twice as long. For short
 /// intervals it is 1/16. Where a term of the chain starts or ceases to be followed, bodies change at once and errors
 /// hardly fall.
@@ -78,7 +84,21 @@ struct Interval {
     from: usize,
     to: usize,
     /// Difference at the middle of the interval whose half this is; 0 for the initial intervals.
-    before: f64,
+    before: Errors,
+    /// Estimated error in the interval without more bodies; infinite for the initial intervals.
+    error: Errors,
+}
+
+impl Interval {
+    fn initial(ends: &[usize]) -> Self {
+        let error = Errors::throughout(f64::INFINITY);
+        Self { from: ends[0], to: ends[1], before: Errors::default(), error }
+    }
+
+    /// Whether a body at the middle is needed for the quantity that the tolerance applies to.
+    fn is_poor(&self, alike: &Scene) -> bool {
+        self.error.of(alike.measure) > INTERPOLATION_SHARE * alike.tolerance
+    }
 }
 
 /// Whether bodies of a scene may be interpolated: layerwise plates of several layers that start at rest, without loads,
@@ -94,8 +114,8 @@ pub fn admits(scene: &Scene) -> bool {
 
 impl Interpolated {
     /// Makes the bodies for ascending values; `scene_of` returns the scene of a value. Each rank's interruption is
-    /// watched separately. Returns `None` if too many bodies would be needed, or if they cannot share a basis.
-    /// Collective.
+    /// watched separately. Returns `None` if too many bodies would be needed, if they cannot share a basis, or if their
+    /// responses are not accurate enough. Collective.
     ///
     /// # Errors
     /// Same as making a model.
@@ -121,6 +141,8 @@ impl Interpolated {
             && (middle / (values[0] * values[last]).sqrt()).ln().abs()
                 < (2.0 * middle / (values[0] + values[last])).ln().abs();
         let of_model = of_cells.joined(of_basis);
+        // All members have the same tolerance.
+        let alike = scene(0)?;
         let (errors, between, vectors) = (Vec::new(), Vec::new(), Vec::new());
         let mut all = Self { shared, nodes: Vec::new(), errors, of_model, of_basis, between, is_geometric, vectors };
         let mut nodes: BTreeMap<usize, Node> = BTreeMap::new();
@@ -134,6 +156,10 @@ impl Interpolated {
                 all.shared.node(&scene(place)?, values[place], &near, is_geometric, watch)
             };
             let made = spread(ranks, places.len(), make)?;
+            let is_poor = |made: &Made| made.of_response.of(alike.measure) > RESPONSE_SHARE * alike.tolerance;
+            if made.iter().any(is_poor) {
+                return Ok(None);
+            }
             let mut found = Vec::new();
             for (&place, Made { response, of_response, of_interpolation }) in places.iter().zip(made) {
                 all.of_model = all.of_model.max(of_model.joined(of_response));
@@ -145,12 +171,19 @@ impl Interpolated {
                 nodes.insert(place, Node { value, response, scene: scene(place)?, readout: OnceCell::new() });
             }
             open = match open.is_empty() {
-                true => places.windows(2).map(|ends| Interval { from: ends[0], to: ends[1], before: 0.0 }).collect(),
-                false => all.judged(&open, &places, &found, values, &scene(0)?),
+                true => places.windows(2).map(Interval::initial).collect(),
+                false => all.judged(&open, &places, &found, values, &alike),
             };
             // Intervals between neighbouring values have no value inside.
             let closed = open.extract_if(.., |interval| interval.to - interval.from < 2);
             all.errors.extend(closed.map(|interval| (values[interval.to], Errors::default())));
+            if open.is_empty() {
+                break;
+            }
+            if nodes.len() + open.len() > MAX_BODIES {
+                let closed = open.extract_if(.., |interval| !interval.is_poor(&alike));
+                all.errors.extend(closed.map(|interval| (values[interval.to], interval.error)));
+            }
             if open.is_empty() {
                 break;
             }
@@ -174,19 +207,18 @@ impl Interpolated {
         middles: &[usize],
         found: &[Errors],
         values: &[f64],
-        scene: &Scene,
+        alike: &Scene,
     ) -> Vec<Interval> {
         let mut open = Vec::new();
-        for ((&Interval { from, to, before }, &middle), difference) in intervals.iter().zip(middles).zip(found) {
-            let size = difference.of(scene.measure);
-            // The ratio by which the difference has fallen from the previous, longer interval.
-            let ratio = if before > 0.0 { (size / before).clamp(ERROR_RATIO_ON_HALVING, 1.0) } else { 1.0 };
+        for ((&Interval { from, to, before, .. }, &middle), &difference) in intervals.iter().zip(middles).zip(found) {
             let ends = [from, middle, to].map(|place| coordinate(values[place], self.is_geometric));
-            let error = on_halving(*difference, ratio * unevenness(ends), scene.tolerance);
-            if error.of(scene.measure) <= INTERPOLATION_SHARE * scene.tolerance {
-                self.errors.push((values[to], error));
+            let error = on_halving(difference, before, unevenness(ends), alike);
+            let halves =
+                [(from, middle), (middle, to)].map(|(from, to)| Interval { from, to, before: difference, error });
+            if halves[0].is_poor(alike) || error.deflection > ERROR_OF_DEFLECTION {
+                open.extend(halves);
             } else {
-                open.extend([(from, middle), (middle, to)].map(|(from, to)| Interval { from, to, before: size }));
+                self.errors.push((values[to], error));
             }
         }
         open
@@ -387,10 +419,17 @@ impl Between<'_> {
     }
 }
 
-/// Estimated interpolation error from the difference at the midpoint, when halving the interval reduces the error by
-/// `ratio`. Over the whole history the ratio is applied only if the difference is within the tolerance, because with
-/// larger differences contacts appear and vanish with the value.
-fn on_halving(difference: Errors, ratio: f64, tolerance: f64) -> Errors {
-    let smaller = ratio * difference;
-    if difference.history <= tolerance { smaller } else { Errors { history: difference.history, ..smaller } }
+/// Estimated interpolation error of an interval's halves, from the differences at its middle (`difference`) and at the
+/// middle of the previous, longer interval (`before`; 0 if there is none). `unevenness` is a factor for a value that is
+/// not exactly in the middle. Over the whole history the acceleration's error is reduced only if the difference is
+/// within the tolerance, because with larger differences contacts appear and vanish with the value.
+fn on_halving(difference: Errors, before: Errors, unevenness: f64, alike: &Scene) -> Errors {
+    let ratio = |difference: f64, before: f64| {
+        let ratio = if before > 0.0 { (difference / before).clamp(ERROR_RATIO_ON_HALVING, 1.0) } else { 1.0 };
+        ratio * unevenness
+    };
+    let smaller = ratio(difference.of(alike.measure), before.of(alike.measure)) * difference;
+    let history = if difference.history <= alike.tolerance { smaller.history } else { difference.history };
+    let deflection = ratio(difference.deflection, before.deflection) * difference.deflection;
+    Errors { history, deflection, ..smaller }
 }
