@@ -12,6 +12,7 @@ use crate::record::read::{history, origin};
 use crate::record::stress::TensionExtreme;
 use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
 
+use super::notes::counted;
 use super::summary::{is_outside_first_contact, lines};
 use super::{Info, say, short};
 
@@ -138,7 +139,7 @@ impl RunFacts {
             self.version,
             self.commit,
             self.petsc_version,
-            ranks_of(self.ranks)
+            counted(self.ranks, "rank")
         ));
         say(format_args!("model      {}, {} unknowns, reduction {}", self.model, self.unknowns, self.reduction));
         let state = match &self.restart {
@@ -201,29 +202,44 @@ struct SweepFacts {
     largest_deflection: Option<[f64; 2]>,
     /// The same of the largest tension on all faces, Pa.
     largest_stress: Option<[f64; 2]>,
-    /// Largest estimated errors of these members.
-    largest_error_estimates: LargestEstimates,
+    /// Estimated errors of these members.
+    error_estimates: SweepEstimates,
 }
 
-/// Largest estimated errors of the members of a sweep; `None` if no member has an estimate.
+/// Estimated errors of the members of a sweep that are done.
 #[derive(Serialize)]
-struct LargestEstimates {
-    /// Error of the acceleration over its peak, over the whole history.
-    acceleration: Option<f64>,
-    /// Error of the deflection under the impactor over its largest value.
-    deflection: Option<f64>,
-    /// Relative error of the largest tension.
-    stress: Option<f64>,
+struct MemberEstimates {
+    /// Largest estimate; `None` if no member has one. (In JSON, an infinite estimate is null as well.)
+    largest: Option<f64>,
+    /// Number of members without an estimate.
+    without: usize,
 }
 
-impl LargestEstimates {
+/// Estimated errors of the members of a sweep, by quantity.
+#[derive(Serialize)]
+struct SweepEstimates {
+    /// Error of the acceleration over its peak, over the whole history.
+    acceleration: MemberEstimates,
+    /// Error of the deflection under the impactor over its largest value.
+    deflection: MemberEstimates,
+    /// Relative error of the largest tension.
+    stress: MemberEstimates,
+}
+
+impl SweepEstimates {
     fn print(&self) {
         let parts = [
-            (self.acceleration, "of the acceleration"),
-            (self.deflection, "of the deflection"),
-            (self.stress, "of the tension"),
+            (&self.acceleration, "of the acceleration"),
+            (&self.deflection, "of the deflection"),
+            (&self.stress, "of the tension"),
         ];
-        let known = parts.into_iter().filter_map(|(error, what)| Some(format!("{} {what}", estimated(error?))));
+        let known = parts.into_iter().filter_map(|(MemberEstimates { largest, without }, what)| {
+            let without = match without {
+                0 => String::new(),
+                without => format!(" ({} without an estimate)", counted(*without, "member")),
+            };
+            Some(format!("{} {what}{without}", estimated((*largest)?)))
+        });
         let known: Vec<String> = known.collect();
         if !known.is_empty() {
             say(format_args!("errors     estimated at most: {}", known.join(", ")));
@@ -249,6 +265,10 @@ impl SweepFacts {
             members.filter(|(status, value)| **status == Status::Done && !value.is_nan()).map(|(_, value)| *value)
         };
         let most = |quantity: Quantity| of(quantity).reduce(f64::max);
+        let estimates = |quantity: Quantity| MemberEstimates {
+            largest: most(quantity),
+            without: count(Status::Done) - of(quantity).count(),
+        };
         let range = |quantity: Quantity| Some([of(quantity).reduce(f64::min)?, most(quantity)?]);
         Self {
             title: header.title.clone(),
@@ -269,10 +289,10 @@ impl SweepFacts {
             peak_acceleration: range(Quantity::PeakAcceleration),
             largest_deflection: range(Quantity::LargestDeflection),
             largest_stress: range(Quantity::LargestStress),
-            largest_error_estimates: LargestEstimates {
-                acceleration: most(Quantity::ErrorEstimate),
-                deflection: most(Quantity::DeflectionErrorEstimate),
-                stress: most(Quantity::StressErrorEstimate),
+            error_estimates: SweepEstimates {
+                acceleration: estimates(Quantity::ErrorEstimate),
+                deflection: estimates(Quantity::DeflectionErrorEstimate),
+                stress: estimates(Quantity::StressErrorEstimate),
             },
         }
     }
@@ -284,11 +304,11 @@ impl SweepFacts {
             self.version,
             self.commit,
             self.petsc_version,
-            ranks_of(self.ranks)
+            counted(self.ranks, "rank")
         ));
         for Varied { key, units, values } in &self.varied {
-            let values = if *values == 1 { "1 value".to_owned() } else { format!("{values} values") };
-            say(format_args!("varied     {key} [{units}], {values}"));
+            let units = if units == "1" { String::new() } else { format!(" [{units}]") };
+            say(format_args!("varied     {key}{units}, {}", counted(*values, "value")));
         }
         say(format_args!(
             "members    {} done, {} failed, {} refused, {} missing{}",
@@ -304,14 +324,11 @@ impl SweepFacts {
             ("tension   ", self.largest_stress, 1e-6, "MPa"),
         ];
         for (name, range, factor, unit) in ranges {
-            if let Some([low, high]) = range {
+            // Half-spaces have no deflection.
+            if let Some([low, high]) = range.filter(|[_, high]| *high > 0.0) {
                 say(format_args!("{name} {} to {} {unit}", short(factor * low), short(factor * high)));
             }
         }
-        self.largest_error_estimates.print();
+        self.error_estimates.print();
     }
-}
-
-fn ranks_of(ranks: usize) -> String {
-    if ranks == 1 { "1 rank".to_owned() } else { format!("{ranks} ranks") }
 }

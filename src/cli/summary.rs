@@ -7,13 +7,16 @@ use crate::impact::checkpoint::Visitor;
 use crate::impact::estimated;
 use crate::impact::step::Step;
 use crate::model::{Edges, Linearity, STIFFENING};
-use crate::record::episodes::Episodes;
+use crate::record::episodes::{Episode, Episodes};
 use crate::record::extremes::{Extreme, Extremes, ProbeExtremes};
 use crate::record::provenance::Cost;
 use crate::record::stress::{LargestTension, TensionExtreme};
 use crate::space::evaluate::FaceTension;
 
 use super::{coordinate, say, short};
+
+/// Largest number of contacts in one line. Of more, the first and the last are printed.
+const MAX_CONTACTS: usize = 12;
 
 /// Data for the summary of a run.
 #[derive(Debug, Clone, Copy, Default)]
@@ -81,12 +84,7 @@ impl Summary {
     /// Prints the summary; `largest` has the lines with the largest values ([`lines`]), and `judged` says what the estimated
     /// error includes.
     pub fn print(&self, episodes: &Episodes, largest: &[String], cost: &Cost, judged: &str, output: &Path) {
-        let contacts: Vec<String> = episodes
-            .all()
-            .iter()
-            .map(|episode| format!("{}–{} ms", short(1e3 * episode.start), short(1e3 * episode.end)))
-            .collect();
-        let mut contacts = if contacts.is_empty() { "none".to_owned() } else { contacts.join(", ") };
+        let mut contacts = times(episodes.all());
         if episodes.is_open() {
             contacts += ", and still in contact";
         }
@@ -169,6 +167,21 @@ pub fn is_outside_first_contact(time: f64, first_end: Option<f64>) -> bool {
     first_end.is_none_or(|end| time > end)
 }
 
+/// Times of contacts, in one line.
+fn times(contacts: &[Episode]) -> String {
+    let shown = |contact: &Episode| format!("{}–{} ms", short(1e3 * contact.start), short(1e3 * contact.end));
+    let mut shown: Vec<String> = contacts.iter().map(shown).collect();
+    if shown.is_empty() {
+        return "none".to_owned();
+    }
+    if shown.len() > MAX_CONTACTS {
+        let omitted = MAX_CONTACTS - 2..shown.len() - 1;
+        let more = format!("{} more", omitted.len());
+        shown.splice(omitted, [more]);
+    }
+    shown.join(", ")
+}
+
 /// Lines with the largest values of a run, without the acceleration. `deflection_error` is the estimated error of the
 /// deflection, NaN if it is unknown. `first_end` is the end of the first contact, s, if there was one. `why` returns
 /// the reason why the error of the largest tension is not estimated, if it is known.
@@ -187,11 +200,15 @@ pub fn lines(
         unknown if unknown.is_nan() => String::new(),
         error => format!(", estimated error {}", estimated(error)),
     };
-    let mut lines = vec![format!(
-        "peak force {}; largest deflection under the impactor {}{backwards}{of_deflection}",
-        at(&extremes.force, 1.0, "N"),
-        at(&extremes.deflection, 1e3, "mm")
-    )];
+    // A half-space has no deflection, only an indentation.
+    let deflection = match extremes.deflection.value {
+        0.0 => String::new(),
+        _ => format!(
+            "; largest deflection under the impactor {}{backwards}{of_deflection}",
+            at(&extremes.deflection, 1e3, "mm")
+        ),
+    };
+    let mut lines = vec![format!("peak force {}{deflection}", at(&extremes.force, 1.0, "N"))];
     if let Some(TensionExtreme { largest, face, strength_passed_face }) = &extremes.tension {
         let [x, y, z] = largest.point;
         let mut line = format!(
@@ -275,5 +292,17 @@ mod tests {
         for forces in [&[0.0, 2.0, 1.0][..], &[2.0, 3.0, 0.0], &[0.0, 4.0, 0.0, 3.0], &[0.0, 0.0], &[]] {
             assert!(!is_warned(forces), "{forces:?}");
         }
+    }
+
+    #[test]
+    fn many_contacts_fit_in_one_line() {
+        let episode = Episode { start: 0.0, end: 0.0, peak_force: 1.0, peak_time: 0.0, impulse: 1.0 };
+        let contacts: Vec<Episode> = (0..100)
+            .map(|n| Episode { start: 1e-3 * f64::from(n), end: 1e-3 * (f64::from(n) + 0.5), ..episode })
+            .collect();
+        assert_eq!(times(&contacts[..2]), "0.0000–0.5000 ms, 1.0000–1.5000 ms");
+        let all = times(&contacts);
+        assert!(all.ends_with("9.0000–9.5000 ms, 89 more, 99.000–99.500 ms"), "{all}");
+        assert_eq!(all.split(", ").count(), MAX_CONTACTS);
     }
 }

@@ -220,9 +220,12 @@ fn info_prints_the_ranges_of(folder: &TempDir, sweep: &Path) {
         let [low, high] = [&facts[name][0], &facts[name][1]];
         assert!(is(low, smallest(name)) && is(high, largest(name)), "{name}: {facts}");
     }
-    let errors = &facts["largest_error_estimates"];
-    assert!(is(&errors["acceleration"], largest("error_estimate")), "{facts}");
-    assert!(is(&errors["deflection"], largest("deflection_error_estimate")), "{facts}");
+    let errors = &facts["error_estimates"];
+    for (name, estimate) in [("acceleration", "error_estimate"), ("deflection", "deflection_error_estimate")] {
+        assert!(is(&errors[name]["largest"], largest(estimate)), "{name}: {facts}");
+        let without = members(sweep, estimate).into_iter().filter(|estimate| estimate.is_nan()).count();
+        assert_eq!(errors[name]["without"], without, "{name}: {facts}");
+    }
     let text = good(folder, 0, "info s.h5").stdout;
     assert!(["peaks ", "deflection ", "tension ", "errors "].iter().all(|name| text.contains(name)), "{text}");
 }

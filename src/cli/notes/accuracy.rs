@@ -6,7 +6,7 @@ use crate::record::stress::LargestTension;
 use crate::scene::{Geometry, Measure, Model as Theory, Reduction, Scene};
 use crate::space::spline;
 
-use super::listed;
+use super::{counted, listed};
 
 /// Description of the theory, its unknowns and its basis, with the estimated error of the quantity to which the
 /// tolerance applies.
@@ -16,7 +16,7 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
         words += &format!(", {} unknowns", model.unknowns);
     }
     if let Some(vectors) = model.vectors {
-        words += &format!(", reduced to {vectors} vectors");
+        words += &format!(", reduced to {}", counted(vectors, "vector"));
     }
     if let Some(errors) = model.error.total() {
         let causes = listed(&model.error.causes());
@@ -107,10 +107,14 @@ pub fn of_deflection(estimate: &ErrorEstimate, scene: &Scene) -> Vec<String> {
         Measure::Deflection => return notes,
     };
     if error > LARGE_ERROR_OF_DEFLECTION {
+        let remedy = match scene.body.reduction {
+            Reduction::Vectors(_) => "body.reduction = \"auto\" in place of a number",
+            _ => "accuracy.quantity = \"deflection\"",
+        };
         notes.push(format!(
             "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value. \
              Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only; \
-             accuracy.quantity = \"deflection\" may lower this error",
+             {remedy} may lower this error",
             estimated(error)
         ));
     }

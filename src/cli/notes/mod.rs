@@ -31,6 +31,11 @@ pub fn texts(remarks: Vec<Remark>) -> Vec<String> {
     remarks.into_iter().map(|remark| remark.text).collect()
 }
 
+/// A number with its noun: "1 vector", "20 vectors".
+pub fn counted(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
 /// Joins words to a list: "a, b and c".
 pub fn listed(words: &[&str]) -> String {
     match words.split_last() {
