@@ -1,4 +1,4 @@
-//! Differences between an infinite layer and a half-space under a spread pressure.
+//! Differences between an infinite layer, or a stack of layers, and a half-space under a spread pressure.
 //!
 //! At the wavenumber ξ, a layer has the response Γ to a pressure on its top, and a half-space has the response H (see
 //! [`crate::space::plate::layer`]). Let Hertz's pressure have the transform P_h, and the pressure that replaces it the
@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 
 use crate::form::Spread;
 use crate::space::plate::layer::{END, HALF_SPACE, flexibility, integrate, squeezed};
+use crate::stack::Stack;
 
 /// E h/(2π) ∫ (Γ − H) (P² − P_h²) ξ dξ; `disc` is the radius of the disc divided by the thickness.
 pub(super) fn beyond_half_space(spread: &Spread, poisson: f64, disc: f64) -> f64 {
@@ -16,6 +17,33 @@ pub(super) fn beyond_half_space(spread: &Spread, poisson: f64, disc: f64) -> f64
     let panel = (0.5 * PI / disc).min(1.0);
     let value = |t: f64| (flexibility(t) - 2.0) * spread.over_waves(t * disc);
     (1.0 - poisson * poisson) / (2.0 * PI) * integrate(0.0, HALF_SPACE, panel, value)
+}
+
+/// Value of ξh, h the thickness of the impacted layer, above which a stack responds like a half-space of that layer.
+const STACK_IS_HALF_SPACE: f64 = 22.0;
+
+/// Value of ξH, H the thickness of the stack, below which the integrand of a stack is negligible: it is proportional to
+/// ξ³.
+const LONGEST_WAVE: f64 = 1e-2;
+
+/// (1/2π) ∫ (Γ − H) (P² − P_h²) ξ dξ of a stack of layers, m/N; `disc` is the radius of the disc, m. On a disc as wide as
+/// the impacted layer is thick, a single layer is nearly a half-space. A layer on a soft interlayer bends under the disc
+/// as well.
+pub(super) fn stack_beyond_half_space(stack: &Stack, spread: &Spread, disc: f64) -> f64 {
+    let struck = stack.layers()[0];
+    let half_space = |xi: f64| 2.0 * (1.0 - struck.poisson.powi(2)) / (struck.young * xi);
+    let value =
+        |xi: f64| (stack.wave(xi).response(stack, 0.0).u_z - half_space(xi)) * spread.over_waves(xi * disc) * xi;
+    let panel = (0.5 * PI / disc).min(1.0 / struck.thickness);
+    let (mut from, end) = (LONGEST_WAVE / stack.thickness(), STACK_IS_HALF_SPACE / struck.thickness);
+    let mut sum = 0.0;
+    // A soft layer begins to slide far below ξ = 1/H.
+    while from < end {
+        let to = (2.0 * from).min(from + 10.0 * panel).min(end);
+        sum += integrate(from, to, panel, value);
+        from = to;
+    }
+    sum / (2.0 * PI)
 }
 
 /// E h/(2π) ∫ Γ_s P² ξ dξ: compliance due to squeezing alone (the second part of Γ) under the spread pressure.
@@ -28,6 +56,7 @@ pub(super) fn squeezing(spread: &Spread, poisson: f64, disc: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stack::Layer;
 
     /// Bending and squeezing sum to f. The integral agrees with the midpoint rule applied to the original formula.
     #[test]
@@ -45,6 +74,23 @@ mod tests {
             let plain = (1.0 - 0.23 * 0.23) / (2.0 * PI) * sum * step;
             // Error of the midpoint rule, (step/disc)², and the neglected tail.
             assert!((squeezing(&spread, 0.23, disc) / plain - 1.0).abs() < 1e-6);
+        }
+    }
+
+    /// A stack of one layer, or of three layers of one material, is the layer.
+    #[test]
+    fn stacks_of_one_material_are_a_layer() {
+        let (young, poisson, spread) = (70e9, 0.23, Spread::new(0.0));
+        let layer = |thickness: f64| Layer { thickness, young, poisson };
+        for disc in [0.5, 1.0, 2.0] {
+            let exact = beyond_half_space(&spread, poisson, disc) / (young * 0.02);
+            for thicknesses in [&[0.02][..], &[0.008, 0.002, 0.01]] {
+                let layers: Vec<Layer> = thicknesses.iter().map(|thickness| layer(*thickness)).collect();
+                let stack = Stack::new(&layers).expect("an elastic stack");
+                let found = stack_beyond_half_space(&stack, &spread, disc * 0.02);
+                // The single layer's response is a half-space's from a smaller ξh on.
+                assert!((found / exact - 1.0).abs() < 1e-4, "{disc} {thicknesses:?}: {found:e} {exact:e}");
+            }
         }
     }
 

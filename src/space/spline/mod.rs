@@ -12,8 +12,8 @@ mod layer;
 mod patch;
 mod points;
 
+use super::SurfaceTerms;
 use super::grid::{GridField, GridSpace};
-use super::{MODULI_TIME_OVER_CONTACT, SurfaceTerms};
 use crate::body::System;
 use crate::description::{Description, Part, Portion};
 use crate::error::Result;
@@ -123,13 +123,7 @@ impl SplineSolid {
             (tensor.matrix_sharing(&forms, &mut integrals), chain.clone())
         };
         let relaxations = description.relaxations().into_iter().map(relaxation).collect();
-        let points = Points::new(
-            tensor,
-            lines,
-            parts,
-            (&geometry, &patch),
-            MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time(),
-        );
+        let points = Points::new(tensor, lines, parts, (&geometry, &patch), points::time(scene));
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
         let multiplicity = geometry.multiplicity();
         let system = System {

@@ -2,8 +2,10 @@
 
 use super::Points;
 use super::geometry::BoxGeometry;
-use super::layer::{beyond_half_space, squeezing};
+use super::layer::{beyond_half_space, squeezing, stack_beyond_half_space};
+use super::points::{stack, time};
 use crate::contact::{Patch, Reason, limits, unit_compliance};
+use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
 use crate::form::elastic::displacement;
@@ -72,11 +74,14 @@ impl PatchModel {
         let is_plate = is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
         let bends = is_plate && is_bent(geometry, scene);
         let half_space = unit_compliance(&struck, impactor.direction[geometry.struck]);
+        let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
+        let stack = if is_wide_stack { stack(&Description::new(scene).parts, geometry, time(scene)) } else { None };
         let compliance = |disc: f64| {
             let spread = Spread::new((radius / disc).min(1.0));
             let of_layer = if is_plate { beyond_half_space(&spread, struck.poisson, disc / thickness) } else { 0.0 };
             let of_squeezing = if bends { squeezing(&spread, struck.poisson, disc / thickness) } else { 0.0 };
-            half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (struck.young * thickness)
+            let of_stack = stack.as_ref().map_or(0.0, |stack| stack_beyond_half_space(stack, &spread, disc));
+            half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (struck.young * thickness) + of_stack
         };
         let mass = scene.body.mass().unwrap_or_default();
         // Radii of the disc at which the contact stiffness vanishes: on a half-space, and the smallest for any body.

@@ -6,7 +6,8 @@ use crate::form::elastic::displacement;
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
 use crate::form::{Material, Spread};
-use crate::scene::Vec3;
+use crate::scene::{Scene, Vec3};
+use crate::space::MODULI_TIME_OVER_CONTACT;
 use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
 use crate::stack::{Layer, Pressure, Sections, Stack, on_parabola};
@@ -96,8 +97,13 @@ impl Points {
     }
 }
 
+/// Time (s) at which the moduli of viscoelastic layers are taken for local fields.
+pub(super) fn time(scene: &Scene) -> f64 {
+    MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time()
+}
+
 /// Layers of a box from the impacted face, with their moduli at a time (s) after a step of the strain.
-fn stack(parts: &[BodyPart], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
+pub(super) fn stack(parts: &[BodyPart], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
     let layer = |(part, ends): (&BodyPart, &[f64])| {
         let Material { young, poisson, .. } = part.material.at(time);
         Layer { thickness: ends[1] - ends[0], young, poisson }
