@@ -322,7 +322,7 @@ impl MeanDecay {
 
     /// The interpolated rate, 1/s.
     fn rate(&self) -> f64 {
-        (self.mean.max(self.smallest).exp() - NEGLIGIBLE_DECAY) / self.end
+        (self.mean.max(self.smallest).exp() - NEGLIGIBLE_DECAY).max(0.0) / self.end
     }
 }
 
@@ -406,6 +406,17 @@ mod tests {
             let error = ((-decay.rate()).exp() - (-rate(p)).exp()).abs();
             assert!(decay.rate() > 0.0 && error < 1e-2, "{p}: {} {}", decay.rate(), rate(p));
         }
+    }
+
+    /// Where damping begins abruptly, its logarithm undershoots by orders of magnitude; the rate stays at its smallest value.
+    #[test]
+    fn damping_does_not_undershoot() {
+        let mut decay = MeanDecay::new(1.0);
+        // Weights of Lagrange's interpolation at 0.5 between 0, 1, 2 and 3.
+        for (rate, weight) in [(1.0, 0.3125), (1.0, 0.9375), (1e5, -0.3125), (1e5, 0.0625)] {
+            decay.add(rate, weight);
+        }
+        assert!((decay.rate() - 1.0).abs() < 1e-12, "{}", decay.rate());
     }
 
     /// A vibration that is followed through all bodies becomes one coordinate, with rate and residue of the parameter

@@ -28,7 +28,7 @@ const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 pub const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
 
 /// Largest [`cost`] of a basis that is enlarged, or made again, to limit the error of the deflection. A plate of this cost
-/// takes about a second, a laminate two.
+/// takes about a second, a laminate up to four.
 pub(super) const LARGEST_COST_FOR_DEFLECTIONS: f64 = 4e8;
 
 /// Measure of the cost of a basis: unknowns times the square of the number of vectors.

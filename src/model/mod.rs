@@ -244,8 +244,8 @@ impl Model {
 /// Largest number of unknowns of a spline solid for which a second model is made, which then takes about a second.
 const MOST_UNKNOWNS_OF_SECOND_SOLID: usize = 4000;
 
-/// Whether a body may be reduced a second time, to a basis with a low shift, and this takes about a second. `vectors` is
-/// the number of vectors of the first basis.
+/// Whether a body may be reduced a second time, to a basis with a low shift, at a limited cost. `vectors` is the number
+/// of vectors of the first basis.
 pub fn is_quickly_reduced_again(scene: &Scene, theory: scene::Model, unknowns: usize, vectors: usize) -> bool {
     scene.body.reduction == scene::Reduction::Auto
         && !scene.has_low_shift()

@@ -8,7 +8,7 @@ use petsc_wrap::Comm;
 use super::by_body::{BodyOf, ByBody, chains, shared};
 use super::family::{self, Family};
 use super::grouping::{Found, Grouping, Line};
-use super::interpolated::{self, Interpolated};
+use super::interpolated::{self, Interpolated, Start};
 use super::member::Computed;
 use crate::agree::decided;
 use crate::body::ModalBody;
@@ -191,20 +191,33 @@ impl<'a> Bodies<'a> {
     fn make_interpolated(&mut self, ranks: &Comm, line: &BodyOf, watch: &dyn Watch) -> Result<()> {
         let all = self.grouping.members_on(line);
         let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
-        let interpolated = |limits_deflection_error: bool| {
-            let scene_of = |value: f64| Ok(Scene { limits_deflection_error, ..self.scene_on(&all, value)? });
-            match Interpolated::new(ranks, &values, &scene_of, watch) {
+        // If one body fails, the members may still be computed separately.
+        fn possible<T>(made: Result<Option<T>>) -> Result<Option<T>> {
+            match made {
                 Err(Error::Solve(_) | Error::Fault(_)) => Ok(None),
                 made => made,
             }
-        };
-        let first = self.scene_on(&all, values[0])?;
-        let lacks_rotations = has_automatic_basis(&first) && first.basis_may_lack_rotations();
-        let mut made = interpolated(lacks_rotations)?;
-        let is_poor = || Ok(!lacks_rotations && made.as_ref().is_some_and(|made| made.needs_low_shift(&first)));
-        if decided(ranks, is_poor)? {
-            made = interpolated(true)?.or(made);
         }
+        let scene_of = |value: f64, limits_deflection_error: bool| {
+            Ok(Scene { limits_deflection_error, ..self.scene_on(&all, value)? })
+        };
+        let start = |limits: bool| possible(Start::new(ranks, &values, &|value| scene_of(value, limits), watch));
+        let first = self.scene_on(&all, values[0])?;
+        let mut has_low_shift = has_automatic_basis(&first) && first.basis_may_lack_rotations();
+        let mut started = start(has_low_shift)?;
+        let is_poor = || Ok(!has_low_shift && started.as_ref().is_some_and(|start| start.needs_low_shift(&first)));
+        if decided(ranks, is_poor)?
+            && let Some(second) = start(true)?
+        {
+            (started, has_low_shift) = (Some(second), true);
+        }
+        let made = match started {
+            Some(start) => {
+                let scene_of = |value| scene_of(value, has_low_shift);
+                possible(Interpolated::new(ranks, &values, &scene_of, start, watch))?
+            }
+            None => None,
+        };
         self.relaxing.get_or_insert_with(line.clone(), || made);
         Ok(())
     }

@@ -17,7 +17,7 @@ pub use bodies::Bodies;
 pub use digest::{Task, digest};
 pub use grid::Grid;
 pub use grouping::{Found, Grouping, Property};
-pub use interpolated::Interpolated;
+pub use interpolated::{Interpolated, Start};
 pub use member::{Computed, simulate};
 pub use scheduler::{Compute, Kept, schedule};
 pub use shard::{Shard, parts};

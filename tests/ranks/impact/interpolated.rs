@@ -6,7 +6,7 @@ use petsc_wrap::{Comm, Session};
 use ricochet::impact::ModalImpact;
 use ricochet::model::watch::Unwatched;
 use ricochet::scene::Scene;
-use ricochet::study::sweep::Interpolated;
+use ricochet::study::sweep::{Interpolated, Start};
 
 use crate::modelled::parse;
 
@@ -36,7 +36,9 @@ fn pane(temperature: f64) -> Scene {
 fn interpolated(ranks: &Comm) -> Interpolated {
     let scene_of = |temperature: f64| Ok(pane(temperature));
     let alone = ranks.session().alone();
-    Interpolated::new(ranks, &temperatures(), &scene_of, &Unwatched(&alone)).unwrap().expect("few bodies")
+    let (values, watch) = (temperatures(), &Unwatched(&alone));
+    let start = Start::new(ranks, &values, &scene_of, watch).unwrap().expect("a common basis");
+    Interpolated::new(ranks, &values, &scene_of, start, watch).unwrap().expect("few bodies")
 }
 
 /// At temperatures between the computed bodies, the force is compared with the force for the body there, on the same

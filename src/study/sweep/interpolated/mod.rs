@@ -35,7 +35,11 @@ const MAX_BODIES: usize = 65;
 /// Share of the tolerance for the interpolation error.
 const INTERPOLATION_SHARE: f64 = 0.3;
 
-/// Largest interpolation error of the deflection below which no more bodies are made for it.
+/// Largest number of bodies that are made for the deflection alone.
+const MAX_BODIES_FOR_DEFLECTION: usize = 33;
+
+/// Interpolation error of the deflection up to which no more bodies are made for it. It may be larger if the error by the
+/// basis is: this share of that error.
 const ERROR_OF_DEFLECTION: f64 = INTERPOLATION_SHARE * LARGE_ERROR_OF_DEFLECTION;
 
 /// Share of the tolerance for the error of the simplifications in each response.
@@ -79,6 +83,15 @@ struct Node {
     readout: OnceCell<Readout>,
 }
 
+/// The basis that all bodies of an interpolation share, with its errors.
+pub struct Start {
+    shared: SharedBasis,
+    /// Discretisation error.
+    of_cells: Errors,
+    /// Error of the basis.
+    of_basis: Errors,
+}
+
 /// An interval between two indices of values with known bodies.
 struct Interval {
     from: usize,
@@ -96,8 +109,10 @@ impl Interval {
     }
 
     /// Whether a body at the middle is needed for the quantity that the tolerance applies to.
-    fn is_poor(&self, alike: &Scene) -> bool {
-        self.error.of(alike.measure) > INTERPOLATION_SHARE * alike.tolerance
+    fn is_poor(&self, first: &Scene) -> bool {
+        // (NaN is the ratio of two differences of runs that failed.)
+        let error = self.error.of(first.measure);
+        error.is_nan() || error > INTERPOLATION_SHARE * first.tolerance
     }
 }
 
@@ -112,10 +127,9 @@ pub fn admits(scene: &Scene) -> bool {
     is_layerwise && is_free && !is_gated && !scene.is_on_pads()
 }
 
-impl Interpolated {
-    /// Makes the bodies for ascending values; `scene_of` returns the scene of a value. Each rank's interruption is
-    /// watched separately. Returns `None` if too many bodies would be needed, if they cannot share a basis, or if their
-    /// responses are not accurate enough. Collective.
+impl Start {
+    /// Makes the basis for ascending values; `scene_of` returns the scene of a value. Each rank's interruption is
+    /// watched separately. Returns `None` if bodies at these values cannot share a basis. Collective.
     ///
     /// # Errors
     /// Same as making a model.
@@ -135,14 +149,41 @@ impl Interpolated {
         cells.size = asked.iter().fold(cells.size, |size, end| size.min(end.size));
         cells.vectors = asked.iter().filter_map(|end| end.vectors).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let scene = |place: usize| Ok::<_, crate::Error>(cells.on(scene_of(values[place])?));
-        let Some((shared, of_basis)) = shared_basis(ranks, last, &cells, &scene, watch)? else { return Ok(None) };
+        let found = shared_basis(ranks, last, &cells, &scene, watch)?;
+        Ok(found.map(|(shared, of_basis)| Self { shared, of_cells, of_basis }))
+    }
+
+    /// Whether the error of the deflection is large, and a basis with a low shift is made quickly.
+    pub fn needs_low_shift(&self, scene: &Scene) -> bool {
+        let Self { shared, of_basis, .. } = self;
+        of_basis.deflection > LARGE_ERROR_OF_DEFLECTION
+            && is_quickly_reduced_again(scene, scene.body.model, shared.unknowns, shared.basis.count())
+    }
+}
+
+impl Interpolated {
+    /// Makes the bodies for the values of the basis. Returns `None` if too many bodies would be needed, or if their
+    /// responses are not accurate enough. Collective.
+    ///
+    /// # Errors
+    /// Same as making a model.
+    pub fn new(
+        ranks: &Comm,
+        values: &[f64],
+        scene_of: &dyn Fn(f64) -> Result<Scene>,
+        start: Start,
+        watch: &dyn Watch,
+    ) -> Result<Option<Self>> {
+        let (last, Start { shared, of_cells, of_basis }) = (values.len() - 1, start);
+        let cells = shared.cells.clone();
+        let scene = |place: usize| Ok::<_, crate::Error>(cells.on(scene_of(values[place])?));
         let middle = values[last / 2];
         let is_geometric = values[0] > 0.0
             && (middle / (values[0] * values[last]).sqrt()).ln().abs()
                 < (2.0 * middle / (values[0] + values[last])).ln().abs();
         let of_model = of_cells.joined(of_basis);
-        // All members have the same tolerance.
-        let alike = scene(0)?;
+        // All members have the same tolerance, for the same quantity.
+        let first = scene(0)?;
         let (errors, between, vectors) = (Vec::new(), Vec::new(), Vec::new());
         let mut all = Self { shared, nodes: Vec::new(), errors, of_model, of_basis, between, is_geometric, vectors };
         let mut nodes: BTreeMap<usize, Node> = BTreeMap::new();
@@ -156,7 +197,7 @@ impl Interpolated {
                 all.shared.node(&scene(place)?, values[place], &near, is_geometric, watch)
             };
             let made = spread(ranks, places.len(), make)?;
-            let is_poor = |made: &Made| made.of_response.of(alike.measure) > RESPONSE_SHARE * alike.tolerance;
+            let is_poor = |made: &Made| made.of_response.of(first.measure) > RESPONSE_SHARE * first.tolerance;
             if made.iter().any(is_poor) {
                 return Ok(None);
             }
@@ -172,7 +213,7 @@ impl Interpolated {
             }
             open = match open.is_empty() {
                 true => places.windows(2).map(Interval::initial).collect(),
-                false => all.judged(&open, &places, &found, values, &alike),
+                false => all.judged(&open, &places, &found, values, &first),
             };
             // Intervals between neighbouring values have no value inside.
             let closed = open.extract_if(.., |interval| interval.to - interval.from < 2);
@@ -180,8 +221,8 @@ impl Interpolated {
             if open.is_empty() {
                 break;
             }
-            if nodes.len() + open.len() > MAX_BODIES {
-                let closed = open.extract_if(.., |interval| !interval.is_poor(&alike));
+            if nodes.len() + open.len() > MAX_BODIES_FOR_DEFLECTION {
+                let closed = open.extract_if(.., |interval| !interval.is_poor(&first));
                 all.errors.extend(closed.map(|interval| (values[interval.to], interval.error)));
             }
             if open.is_empty() {
@@ -207,15 +248,16 @@ impl Interpolated {
         middles: &[usize],
         found: &[Errors],
         values: &[f64],
-        alike: &Scene,
+        first: &Scene,
     ) -> Vec<Interval> {
         let mut open = Vec::new();
+        let of_deflection = ERROR_OF_DEFLECTION.max(INTERPOLATION_SHARE * self.of_basis.deflection);
         for ((&Interval { from, to, before, .. }, &middle), &difference) in intervals.iter().zip(middles).zip(found) {
             let ends = [from, middle, to].map(|place| coordinate(values[place], self.is_geometric));
-            let error = on_halving(difference, before, unevenness(ends), alike);
+            let error = on_halving(difference, before, unevenness(ends), first);
             let halves =
                 [(from, middle), (middle, to)].map(|(from, to)| Interval { from, to, before: difference, error });
-            if halves[0].is_poor(alike) || error.deflection > ERROR_OF_DEFLECTION {
+            if halves[0].is_poor(first) || error.deflection > of_deflection {
                 open.extend(halves);
             } else {
                 self.errors.push((values[to], error));
@@ -256,12 +298,6 @@ impl Interpolated {
     /// Number of unknowns of the whole bodies.
     pub fn unknowns(&self) -> usize {
         self.shared.unknowns
-    }
-
-    /// Whether the error of the deflection by the basis is large, and bodies on a basis with a low shift are made quickly.
-    pub fn needs_low_shift(&self, scene: &Scene) -> bool {
-        self.of_basis.deflection > LARGE_ERROR_OF_DEFLECTION
-            && is_quickly_reduced_again(scene, scene.body.model, self.unknowns(), self.shared.basis.count())
     }
 
     /// The interpolated body at a value for a member's run, with its errors and the readout of the nearest body's
@@ -423,13 +459,14 @@ impl Between<'_> {
 /// middle of the previous, longer interval (`before`; 0 if there is none). `unevenness` is a factor for a value that is
 /// not exactly in the middle. Over the whole history the acceleration's error is reduced only if the difference is
 /// within the tolerance, because with larger differences contacts appear and vanish with the value.
-fn on_halving(difference: Errors, before: Errors, unevenness: f64, alike: &Scene) -> Errors {
+fn on_halving(difference: Errors, before: Errors, unevenness: f64, first: &Scene) -> Errors {
     let ratio = |difference: f64, before: f64| {
-        let ratio = if before > 0.0 { (difference / before).clamp(ERROR_RATIO_ON_HALVING, 1.0) } else { 1.0 };
+        let is_known = before > 0.0 && before.is_finite();
+        let ratio = if is_known { (difference / before).clamp(ERROR_RATIO_ON_HALVING, 1.0) } else { 1.0 };
         ratio * unevenness
     };
-    let smaller = ratio(difference.of(alike.measure), before.of(alike.measure)) * difference;
-    let history = if difference.history <= alike.tolerance { smaller.history } else { difference.history };
+    let smaller = ratio(difference.of(first.measure), before.of(first.measure)) * difference;
+    let history = if difference.history <= first.tolerance { smaller.history } else { difference.history };
     let deflection = ratio(difference.deflection, before.deflection) * difference.deflection;
     Errors { history, deflection, ..smaller }
 }
