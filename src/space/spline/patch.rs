@@ -74,14 +74,11 @@ impl PatchModel {
         let is_plate = is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
         let bends = is_plate && is_bent(geometry, scene);
         let half_space = unit_compliance(&struck, impactor.direction[geometry.struck]);
-        let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
-        let stack = if is_wide_stack { stack(&Description::new(scene).parts, geometry, time(scene)) } else { None };
         let compliance = |disc: f64| {
             let spread = Spread::new((radius / disc).min(1.0));
             let of_layer = if is_plate { beyond_half_space(&spread, struck.poisson, disc / thickness) } else { 0.0 };
             let of_squeezing = if bends { squeezing(&spread, struck.poisson, disc / thickness) } else { 0.0 };
-            let of_stack = stack.as_ref().map_or(0.0, |stack| stack_beyond_half_space(stack, &spread, disc));
-            half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (struck.young * thickness) + of_stack
+            half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (struck.young * thickness)
         };
         let mass = scene.body.mass().unwrap_or_default();
         // Radii of the disc at which the contact stiffness vanishes: on a half-space, and the smallest for any body.
@@ -106,7 +103,12 @@ impl PatchModel {
         let patch =
             given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
         let spread = Spread::new((radius / disc).min(1.0));
-        Ok(Self { patch, spread, disc, compliance: compliance(disc), bends, is_layer, is_stack })
+        // The moduli of a viscoelastic stack are those of one temperature. The disc does not depend on them, so that all
+        // temperatures have the same cells.
+        let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
+        let stack = if is_wide_stack { stack(&Description::new(scene).parts, geometry, time(scene)) } else { None };
+        let of_stack = stack.map_or(0.0, |stack| stack_beyond_half_space(&stack, &spread, disc));
+        Ok(Self { patch, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
     }
 
     /// Localisation vector a: the spread pressure on the disc of the impacted face, with total 1, times the direction.
