@@ -200,7 +200,7 @@ pub fn lines(
         unknown if unknown.is_nan() => String::new(),
         error => format!(", estimated error {}", estimated(error)),
     };
-    // A half-space has no deflection, only an indentation.
+    // A half-space has no deflection, only an indentation; of other bodies no row with a deflection may be recorded.
     let deflection = match extremes.deflection.value {
         0.0 => String::new(),
         _ => format!(

@@ -82,17 +82,17 @@ impl PatchModel {
         };
         let mass = scene.body.mass().unwrap_or_default();
         // Radii of the disc at which the contact stiffness vanishes: on a half-space, and the smallest for any body.
-        let limits = |disc: f64| limits(&struck, impactor, mass, thickness, disc * compliance(disc));
+        let limits = |disc: f64, compliance: f64| limits(&struck, impactor, mass, thickness, disc * compliance);
         let by_rule = DISC_OVER_THICKNESS[usize::from(!is_plate)] * thickness;
         let mut disc = given_disc.unwrap_or(by_rule).min(room).max(radius);
-        let (mut wanted, mut least) = limits(disc);
+        let (mut wanted, mut least) = limits(disc, compliance(disc));
         for _ in 0..20 {
             let next = disc.max(MARGIN * wanted).min(room.max(radius));
             if next == disc {
                 break;
             }
             disc = next;
-            (wanted, least) = limits(disc);
+            (wanted, least) = limits(disc, compliance(disc));
         }
         if disc < least {
             let message = format!(
@@ -108,6 +108,10 @@ impl PatchModel {
         let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
         let stack = if is_wide_stack { stack(&Description::new(scene).parts, geometry, time(scene)) } else { None };
         let of_stack = stack.map_or(0.0, |stack| stack_beyond_half_space(&stack, &spread, disc));
+        // Under a soft layer on a stiff one, the contact law with this part may have negative stiffness on any disc.
+        // The layer is then treated as a half-space.
+        let (wanted, _) = limits(disc, compliance(disc) + of_stack);
+        let of_stack = if of_stack <= 0.0 || MARGIN * wanted <= disc { of_stack } else { 0.0 };
         Ok(Self { patch, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
     }
 

@@ -203,20 +203,20 @@ impl<'a> Bodies<'a> {
         };
         let start = |limits: bool| possible(Start::new(ranks, &values, &|value| scene_of(value, limits), watch));
         let first = self.scene_on(&all, values[0])?;
-        let mut has_low_shift = has_automatic_basis(&first) && first.basis_may_lack_rotations();
-        let mut started = start(has_low_shift)?;
-        let is_poor = || Ok(!has_low_shift && started.as_ref().is_some_and(|start| start.needs_low_shift(&first)));
-        if decided(ranks, is_poor)?
-            && let Some(second) = start(true)?
-        {
-            (started, has_low_shift) = (Some(second), true);
-        }
-        let made = match started {
+        let with_bodies = |start: Option<Start>, limits: bool| match start {
             Some(start) => {
-                let scene_of = |value| scene_of(value, has_low_shift);
-                possible(Interpolated::new(ranks, &values, &scene_of, start, watch))?
+                let scene_of = |value| scene_of(value, limits);
+                possible(Interpolated::new(ranks, &values, &scene_of, start, watch))
             }
-            None => None,
+            None => Ok(None),
+        };
+        let lacks_rotations = has_automatic_basis(&first) && first.basis_may_lack_rotations();
+        let started = start(lacks_rotations)?;
+        let is_poor = || Ok(!lacks_rotations && started.as_ref().is_some_and(|start| start.needs_low_shift(&first)));
+        let second = if decided(ranks, is_poor)? { start(true)? } else { None };
+        let made = match with_bodies(second, true)? {
+            None => with_bodies(started, lacks_rotations)?,
+            made => made,
         };
         self.relaxing.get_or_insert_with(line.clone(), || made);
         Ok(())

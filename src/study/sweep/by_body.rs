@@ -106,10 +106,11 @@ impl BodyOf {
     }
 }
 
-/// Whether a body depends on the moduli at the contact time. A solid resolves the field under the impactor itself, so
-/// it needs them for stresses only.
+/// Whether a body depends on the moduli at the contact time. A solid of one material resolves the field under the
+/// impactor itself, so it needs them for stresses only.
 pub(super) fn has_local_field(scene: &Scene) -> bool {
-    scene.body.model != scene::Model::Solid || scene.output.stress
+    let is_layered = scene.body.composition.uniform().is_none();
+    scene.body.model != scene::Model::Solid || is_layered || scene.output.stress
 }
 
 /// Shifts as in [`BodyOf::rates`]; empty for an elastic body.

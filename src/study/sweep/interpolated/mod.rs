@@ -110,7 +110,7 @@ impl Interval {
 
     /// Whether a body at the middle is needed for the quantity that the tolerance applies to.
     fn is_poor(&self, first: &Scene) -> bool {
-        // (NaN is the ratio of two differences of runs that failed.)
+        // (NaN is poor, too.)
         let error = self.error.of(first.measure);
         error.is_nan() || error > INTERPOLATION_SHARE * first.tolerance
     }
