@@ -49,10 +49,14 @@ class Laminate(Scene):
         return (
             f"[body]\nsize = {list(self.size)}\n{layers}"
             f"[material.glass]\nyoung = {young}\npoisson = {poisson}\ndensity = {density}\n"
-            f"[material.interlayer]\ndensity = 1100\n{INTERLAYERS[self.material]}"
+            f"[material.interlayer]\ndensity = 1100\n{self.interlayer()}"
             f"[impactor]\nmass = {self.mass}\nradius = {self.radius}\nyoung = 210e9\npoisson = 0.3\nspeed = {self.speed}\npoint = {list(self.point)}\n"
             f"[time]\nend = {end}\n[output]\nstress = true\n{support}"
         )
+
+    def interlayer(self):
+        """Moduli of the interlayer, as TOML."""
+        return INTERLAYERS[self.material]
 
     def plate(self):
         """Plate and edges in words."""

@@ -56,6 +56,14 @@ impl ModalBody {
         Self { source, relaxing, known: RefCell::default(), compliance, multiplicity, patch }
     }
 
+    /// Creates a body from its projection onto a basis, with the frequency ω (rad/s) of each vibration multiplied by
+    /// `ratio` of it. Viscoelastic parts have their moduli at the shift of the basis.
+    pub fn retuned(projection: &Projection, ratio: impl Fn(f64) -> f64) -> Self {
+        let Projection { compliance, multiplicity, patch, .. } = *projection;
+        let source = Source::Spectrum(Box::new(Spectrum::new(projection).retuned(ratio)));
+        Self { source, relaxing: None, known: RefCell::default(), compliance, multiplicity, patch }
+    }
+
     /// Returns the body with other Prony series for its viscoelastic parts, in the same order, on the same basis.
     /// `None` if the series are equal to the present ones.
     ///

@@ -241,6 +241,12 @@ impl Spectrum {
         }
     }
 
+    /// Multiplies the frequency ω (rad/s) of each vibration by `ratio` of it.
+    pub fn retuned(mut self, ratio: impl Fn(f64) -> f64) -> Self {
+        self.squares.apply(|square| *square *= ratio(square.max(0.0).sqrt()).powi(2));
+        self
+    }
+
     /// Highest frequency of the modes that unilateral foundations stiffen, rad/s. None of these modes is left out.
     pub fn stiffened(&self) -> f64 {
         self.stiffened.checked_sub(1).map_or(0.0, |last| self.squares[last].max(0.0).sqrt())

@@ -20,14 +20,14 @@ fn gradient(i: usize, j: usize) -> Part<3> {
 
 /// Twice the elastic energy in the region `place`, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5).
 pub fn elastic(Lame { lambda, mu }: Lame, place: [Along; 3]) -> Vec<Square<3>> {
-    let square = |factor: f64, parts: Vec<Part<3>>| Square { factor, parts, place };
-    let stretches = (0..3).map(|i| square(2.0 * mu, vec![gradient(i, i)]));
-    let shears = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| square(mu, vec![gradient(i, j), gradient(j, i)]));
-    let volume = square(lambda, (0..3).map(|i| gradient(i, i)).collect());
+    let square = |factor: f64, parts: &[Part<3>]| Square::of_sum(factor, parts, place);
+    let stretches = (0..3).map(|i| square(2.0 * mu, &[gradient(i, i)]));
+    let shears = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| square(mu, &[gradient(i, j), gradient(j, i)]));
+    let volume = square(lambda, &[0, 1, 2].map(|i| gradient(i, i)));
     stretches.chain(shears).chain([volume]).collect()
 }
 
 /// Twice the kinetic energy in the region `place`, ∫ ρ u², with u as a velocity and the density in kg/m³.
 pub fn mass(density: f64, place: [Along; 3]) -> Vec<Square<3>> {
-    (0..3).map(|i| Square { factor: density, parts: vec![displacement(i)], place }).collect()
+    (0..3).map(|i| Square::of_sum(density, &[displacement(i)], place)).collect()
 }

@@ -1,21 +1,28 @@
-//! Layerwise plate theory as forms on fields: the deflection w, common to all layers, and rotations of the layers.
+//! Layerwise plate theory as forms on fields: the mean w of the deflection over the thickness, and rotations of the
+//! layers.
 //!
-//! Each layer is a Reissner–Mindlin plate, bonded to the next layer. The in-plane displacement at the height ζ along w
-//! is u = Σ φ_k(ζ) θ_k. Each φ_k is continuous, with slope 1 in the layers of one group and constant in the others, so
+//! Each layer is a plate with transverse shear, bonded to the next layer. The in-plane displacement at the height ζ
+//! along w is u = Σ φ_k(ζ) θ_k. Each φ_k is continuous, with slope 1 in the layers of one group and constant in the others, so
 //! that θ_k is the rotation of that group's layers. In a mirror-symmetric stack that is loaded and supported normal to
 //! its plane, u is odd in ζ: a layer and its mirror image are one group, and φ_k is odd. Otherwise each layer is a
-//! group, and one additional φ is constant, for the in-plane displacement of the whole plate. A single layer has φ = ζ:
-//! Mindlin's plate.
+//! group, and one additional φ is constant, for the in-plane displacement of the whole plate.
 //!
 //! With plane stress in each layer, twice the elastic energy is
 //!
-//! ∫ λ* (∇·u)² + 2μ (ε_x² + ε_y²) + μ (2ε_xy)² dV + Σ κ_i μ_i h_i ∫ |∇w + θ_i|² dA,   λ* = 2λμ/(λ + 2μ).
+//! ∫ λ* (∇·u)² + 2μ (ε_x² + ε_y²) + μ (2ε_xy)² dV + Σ f_i μ_i ∫ |γ_i|² dA,   λ* = 2λμ/(λ + 2μ).
+//!
+//! The shear strains γ_i = ∇w + Σ a_ik θ_k + Σ b_ik ∇∇·θ_k and the factors f_i are those of
+//! [`crate::stack::Transverse`]. Twice the kinetic energy contains the mean deflection w + Σ r_ik ∇·θ_k of each layer.
 //!
 //! Integrals across the thickness are exact.
 
 use super::plate::{AREA, DEFLECTION, deflection};
 use super::tensor::{Part, Square};
 use super::{Lame, Material};
+use crate::stack::{ShearStrain, Transverse};
+
+/// Factor of a rotation in a shear strain below which it is rounding error: those factors sum to 1.
+const NEGLIGIBLE: f64 = 1e-12;
 
 /// Functions φ_k for the variation of in-plane displacements through the layers.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,32 +42,30 @@ pub struct LayerModuli {
     pub volume: f64,
     /// Shear modulus μ, Pa.
     pub shear: f64,
-    /// Transverse shear modulus κμ, Pa.
-    pub across: f64,
 }
 
 impl LayerModuli {
-    /// Moduli from Lamé's constants and the shear factor κ.
-    pub fn new(constants: Lame, shear_factor: f64) -> Self {
+    /// Moduli from Lamé's constants.
+    pub fn new(constants: Lame) -> Self {
         let Lame { lambda, mu } = constants;
-        Self { volume: 2.0 * lambda * mu / (lambda + 2.0 * mu), shear: mu, across: shear_factor * mu }
+        Self { volume: 2.0 * lambda * mu / (lambda + 2.0 * mu), shear: mu }
     }
 
-    /// Moduli per unit shear modulus of a viscoelastic layer with the shear factor κ. The volumetric response is
-    /// elastic with the bulk modulus `bulk`. The shear modulus relaxes from `instantaneous` to `relaxed` (all in Pa).
+    /// Moduli per unit shear modulus of a viscoelastic layer. The volumetric response is elastic with the bulk modulus
+    /// `bulk`. The shear modulus relaxes from `instantaneous` to `relaxed` (all in Pa).
     ///
     /// λ* = 2G (3K − 2G)/(3K + 4G) is not linear in G. It is replaced by its chord, which is exact at both ends.
     /// Between them the chord is too small by at most (G₀ − G∞)²/K. In the middle this is a fraction (G₀ − G∞)/2K of
     /// the layer's in-plane stiffness. For a soft layer, this is a small fraction of the stiffness of the stack.
-    pub fn of_distortion(bulk: f64, [relaxed, instantaneous]: [f64; 2], shear_factor: f64) -> Self {
-        let volume = |shear: f64| Self::new(Lame::of_moduli(bulk, shear), 1.0).volume;
+    pub fn of_distortion(bulk: f64, [relaxed, instantaneous]: [f64; 2]) -> Self {
+        let volume = |shear: f64| Self::new(Lame::of_moduli(bulk, shear)).volume;
         let chord = (volume(instantaneous) - volume(relaxed)) / (instantaneous - relaxed);
-        Self { volume: chord, shear: 1.0, across: shear_factor }
+        Self { volume: chord, shear: 1.0 }
     }
 
-    /// Moduli of an elastic material with the shear factor κ.
-    pub fn of_material(material: &Material, shear_factor: f64) -> Self {
-        Self::new(material.lame(), shear_factor)
+    /// Moduli of an elastic material.
+    pub fn of_material(material: &Material) -> Self {
+        Self::new(material.lame())
     }
 }
 
@@ -144,8 +149,33 @@ impl Profile {
         self.thickness(layer) / 6.0 * (2.0 * a * c + a * d + b * c + 2.0 * b * d)
     }
 
-    /// Forms of twice the elastic energy of layers with these moduli.
-    pub fn elastic(&self, moduli: &[LayerModuli]) -> Vec<Square<2>> {
+    /// Σ c_j u_j over the faces and interfaces j, as the factors of all θ_k.
+    fn of_rotations<'a>(&'a self, of_faces: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        self.shapes.iter().map(move |shape| shape.iter().zip(of_faces).map(|(phi, factor)| phi * factor).sum())
+    }
+
+    /// Σ c_j ∇·u_j over the faces and interfaces j, differentiated in addition, as factors of derivatives of rotations.
+    pub fn dilatation(&self, of_faces: &[f64], derivatives: [usize; 2]) -> Vec<(f64, Part<2>)> {
+        let [x, y] = derivatives;
+        let of =
+            |(k, factor): (usize, f64)| [(factor, rotation(k, 0, [x + 1, y])), (factor, rotation(k, 1, [x, y + 1]))];
+        self.of_rotations(of_faces).enumerate().flat_map(of).filter(|(factor, _)| *factor != 0.0).collect()
+    }
+
+    /// Shear strain of a layer along an axis, as factors of derivatives of fields.
+    pub fn shear_strain(&self, strain: &ShearStrain, axis: usize) -> Vec<(f64, Part<2>)> {
+        let mut along = [0, 0];
+        along[axis] = 1;
+        let of_slopes = self.of_rotations(&strain.of_displacements).enumerate();
+        let of_slopes = of_slopes.map(|(k, factor)| (factor, rotation(k, axis, [0, 0])));
+        let mut parts = vec![(1.0, deflection(along))];
+        parts.extend(of_slopes.filter(|(factor, _)| factor.abs() > NEGLIGIBLE));
+        parts.extend(self.dilatation(&strain.of_dilatations, along));
+        parts
+    }
+
+    /// Forms of twice the elastic energy of layers with these moduli and with the shear strains of a stack.
+    pub fn elastic(&self, moduli: &[LayerModuli], transverse: &Transverse) -> Vec<Square<2>> {
         let of = |value: fn(&LayerModuli) -> f64| {
             move |pair: [usize; 2]| -> f64 {
                 moduli.iter().enumerate().map(|(layer, moduli)| value(moduli) * self.integral(pair, layer)).sum()
@@ -157,23 +187,31 @@ impl Profile {
             forms.extend(self.products(|pair| 2.0 * twist(pair), |k| vec![rotation(k, axis, along)]));
         }
         forms.extend(self.products(twist, |k| vec![rotation(k, 0, [0, 1]), rotation(k, 1, [1, 0])]));
-        for (k, group) in self.groups.iter().enumerate() {
-            let shear: f64 = group.iter().map(|&layer| moduli[layer].across * self.thickness(layer)).sum();
-            for (axis, along) in [[1, 0], [0, 1]].into_iter().enumerate().filter(|_| shear != 0.0) {
-                forms.push(square(shear, vec![deflection(along), rotation(k, axis, [0, 0])]));
+        // Layers of one group have the same shear strain.
+        for group in &self.groups {
+            let shear: f64 = group.iter().map(|&layer| transverse.shear[layer].factor * moduli[layer].shear).sum();
+            for axis in (0..2).filter(|_| shear != 0.0) {
+                let parts = self.shear_strain(&transverse.shear[group[0]], axis);
+                forms.push(Square { factor: shear, parts, place: AREA });
             }
         }
         forms
     }
 
-    /// Forms of twice the kinetic energy of layers with these densities, kg/m³.
-    pub fn mass(&self, densities: &[f64]) -> Vec<Square<2>> {
+    /// Forms of twice the kinetic energy of layers with these densities (kg/m³) and with the deflections of a stack.
+    pub fn mass(&self, densities: &[f64], transverse: &Transverse) -> Vec<Square<2>> {
         let all = densities.iter().enumerate();
-        let whole: f64 = all.clone().map(|(layer, density)| density * self.thickness(layer)).sum();
         let of = |pair: [usize; 2]| -> f64 {
             all.clone().map(|(layer, density)| density * self.integral(pair, layer)).sum()
         };
-        let mut forms = vec![square(whole, vec![deflection([0, 0])])];
+        // Layers of one group have the same deflection.
+        let of_group = |group: &Vec<usize>| {
+            let mut parts = vec![(1.0, deflection([0, 0]))];
+            parts.extend(self.dilatation(&transverse.layer_deflections[group[0]], [0, 0]));
+            let factor = group.iter().map(|&layer| densities[layer] * self.thickness(layer)).sum();
+            Square { factor, parts, place: AREA }
+        };
+        let mut forms: Vec<Square<2>> = self.groups.iter().map(of_group).collect();
         (0..2).for_each(|axis| forms.extend(self.products(of, |k| vec![rotation(k, axis, [0, 0])])));
         forms
     }
@@ -194,7 +232,7 @@ impl Profile {
 }
 
 fn square(factor: f64, parts: Vec<Part<2>>) -> Square<2> {
-    Square { factor, parts, place: AREA }
+    Square::of_sum(factor, &parts, AREA)
 }
 
 /// Number of the first rotation; those along the two axes follow one another.
@@ -221,10 +259,12 @@ mod tests {
     use crate::form::Spline;
     use crate::form::plate::{Section, mindlin_elastic, mindlin_mass};
     use crate::form::tensor::Tensor;
+    use crate::stack::{Layer, Stack};
 
     const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500.0 };
 
-    /// A single layer is Mindlin's plate, and so are three layers of one material with equal rotations.
+    /// With a constant shear strain in each layer, a single layer is Mindlin's plate with κ = 1, and so are three layers
+    /// of one material with equal rotations.
     #[test]
     fn layers_that_turn_together_are_one() {
         let lines: Vec<f64> = (0..=3).map(|i| 0.1 * f64::from(i)).collect();
@@ -234,7 +274,7 @@ mod tests {
             (0..count).for_each(|_| fields.extend([[spline(2), spline(3)], [spline(3), spline(2)]]));
             Tensor::new(fields)
         };
-        let (section, kappa) = (Section::new(0.02, &GLASS), 0.9);
+        let (section, kappa) = (Section::new(0.02, &GLASS), 1.0);
         let one = tensor(1);
         let plate = [one.matrix(&mindlin_elastic(&section, kappa)), one.matrix(&mindlin_mass(&section))];
         let u: Vec<f64> = (0..one.unknowns()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
@@ -247,9 +287,13 @@ mod tests {
         {
             let profile = Profile::new(&thicknesses, is_mirrored);
             let layers = thicknesses.len();
-            let moduli = vec![LayerModuli::of_material(&GLASS, kappa); layers];
+            let moduli = vec![LayerModuli::of_material(&GLASS); layers];
+            let layer = |thickness: &f64| Layer { thickness: *thickness, young: GLASS.young, poisson: GLASS.poisson };
+            let stack = Stack::new(&thicknesses.iter().map(layer).collect::<Vec<_>>()).expect("elastic layers");
+            let transverse = Transverse::thin(&stack, |_| false);
             let tensor = tensor(profile.len());
-            let forms = [profile.elastic(&moduli), profile.mass(&vec![GLASS.density; layers])];
+            let forms =
+                [profile.elastic(&moduli, &transverse), profile.mass(&vec![GLASS.density; layers], &transverse)];
             // All rotations are equal, and the in-plane displacement of the middle plane is zero.
             let mut together = u[..deflections].to_vec();
             for k in 0..profile.len() {
@@ -268,8 +312,8 @@ mod tests {
     #[test]
     fn distortion_along_the_chord() {
         let (bulk, ends) = (2e9, [3e6, 4e8]);
-        let distortion = LayerModuli::of_distortion(bulk, ends, 1.0);
-        let exact = |shear: f64| LayerModuli::new(Lame::of_moduli(bulk, shear), 1.0);
+        let distortion = LayerModuli::of_distortion(bulk, ends);
+        let exact = |shear: f64| LayerModuli::new(Lame::of_moduli(bulk, shear));
         let start = exact(ends[0]);
         for part in [0.0, 0.3, 0.5, 0.8, 1.0] {
             let shear = ends[0] + part * (ends[1] - ends[0]);

@@ -65,7 +65,7 @@ pub const fn rotation(axis: usize, derivatives: [usize; 2]) -> Part<2> {
 }
 
 fn square(factor: f64, parts: &[Part<2>]) -> Square<2> {
-    Square { factor, parts: parts.to_vec(), place: AREA }
+    Square::of_sum(factor, parts, AREA)
 }
 
 /// Twice the elastic energy of Kirchhoff's theory, ∫ D (ν (Δw)² + (1 − ν) (w_xx² + w_yy² + 2 w_xy²)).
@@ -108,7 +108,7 @@ pub fn mindlin_edge(section: &Section, shear_factor: f64, axis: usize, place: [A
     along[1 - axis] = 1;
     // μ h³/3
     let twisting = section.shear() * section.thickness.powi(2) / 3.0;
-    Square { factor: -twisting * width / EDGE_STRIP, parts: vec![rotation(axis, along)], place }
+    Square::of_sum(-twisting * width / EDGE_STRIP, &[rotation(axis, along)], place)
 }
 
 /// ∫ D (ν (κ_x + κ_y)² + (1 − ν) (κ_x² + κ_y² + ½ (2κ_xy)²)), from the curvatures κ_x, κ_y and the two parts of 2κ_xy.

@@ -36,15 +36,22 @@ pub enum Along {
     At(f64),
 }
 
-/// A symmetric bilinear form: factor · ∫ (Σ parts of u)(Σ parts of v).
+/// A symmetric bilinear form: factor · ∫ (Σ parts of u)(Σ parts of v), each part with its own factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Square<const D: usize> {
     /// Factor of the integral.
     pub factor: f64,
-    /// Parts that are summed, then squared.
-    pub parts: Vec<Part<D>>,
+    /// Parts with their factors, which are summed, then squared.
+    pub parts: Vec<(f64, Part<D>)>,
     /// Part of the domain: all of it, a face or a region of either.
     pub place: [Along; D],
+}
+
+impl<const D: usize> Square<D> {
+    /// The form factor · ∫ (Σ parts of u)(Σ parts of v), with the factor 1 on all parts.
+    pub fn of_sum(factor: f64, parts: &[Part<D>], place: [Along; D]) -> Self {
+        Self { factor, parts: parts.iter().map(|part| (1.0, *part)).collect(), place }
+    }
 }
 
 /// A linear form: factor · ∫ part of v.
@@ -179,14 +186,15 @@ impl<const D: usize> Tensor<D> {
     fn terms(&self, [f, g]: [usize; 2], forms: &[Square<D>], integrals: &mut Integrals) -> Vec<Term<D>> {
         let mut terms: Vec<Term<D>> = Vec::new();
         for form in forms {
-            for (a, b) in form.parts.iter().flat_map(|a| form.parts.iter().map(move |b| (a, b))) {
+            for ((of_a, a), (of_b, b)) in form.parts.iter().flat_map(|a| form.parts.iter().map(move |b| (a, b))) {
                 if (a.field, b.field) != (f, g) {
                     continue;
                 }
+                let factor = form.factor * (of_a * of_b);
                 let axes = std::array::from_fn(|axis| self.along(axis, form.place[axis], [*a, *b], integrals));
                 match terms.iter_mut().find(|term| term.axes == axes) {
-                    Some(term) => term.factor += form.factor,
-                    None => terms.push(Term { factor: form.factor, axes }),
+                    Some(term) => term.factor += factor,
+                    None => terms.push(Term { factor, axes }),
                 }
             }
         }

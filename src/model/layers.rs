@@ -1,11 +1,12 @@
 //! Selects the theory of a plate of several layers: the layerwise theory if its estimated error is small enough,
 //! otherwise the solid.
 //!
-//! The error is estimated as in Mindlin's theory of one layer, as a part of the effect of shear in the layers and of
-//! the local field under the impactor ([`super::mindlin_error`]). Here that effect is the difference between the
-//! layerwise plate and one whose layers have neither. To this is added the error of the static response of the infinite
-//! plate at the wavelength of the contact. A viscoelastic body is compared with the moduli at half the contact time. It
-//! is an estimate, not a bound.
+//! The error has two parts. In the interior of the plate the theory's waves have other frequencies than those of
+//! three-dimensional elasticity. The frequencies of the plate's modes are corrected by the ratio for an infinite plate,
+//! and the force changes by the first part. The second part, for edges and the local field under the impactor, is
+//! estimated as in Mindlin's theory of one layer, as a part of the effect of shear in the layers and of the local field
+//! ([`super::mindlin_error`]). Here that effect is the difference between the layerwise plate and one whose layers have
+//! neither. A viscoelastic body is compared with the moduli at half the contact time. It is an estimate, not a bound.
 //!
 //! A solid that is too large for splines would need a mesh. A mesh gives stresses on its outer faces only, while the
 //! largest tension of a laminate is often on a face between layers. The layerwise plate is then kept, with its
@@ -19,11 +20,13 @@ use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::BASIS_SHARE;
 use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher};
 use super::theory::build_thin;
+use super::trials::Trials;
 use super::watch::Watch;
 use super::{Built, Fitted, Model, Operators, Reduced, build, reduce, refine, unrefined};
+use crate::body::ModalBody;
 use crate::description::Description;
 use crate::error::{Error, Result};
-use crate::impact::{Cause, Errors, beside, joined, rest};
+use crate::impact::{Cause, Errors, TIME_STEP_SHARE, beside, joined, rest};
 use crate::scene::{Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
@@ -45,6 +48,15 @@ impl Thick {
         let (Self::Whole(Fitted { reduced, .. }) | Self::Coarser { reduced, .. }) = self;
         reduced
     }
+}
+
+/// Change of the force on a basis if its modes have the exact frequencies of flexural waves. Collective.
+fn error_of_frequencies(comm: &Comm, elastic: &Scene, reduced: &Reduced, watch: &dyn Watch) -> Result<Errors> {
+    let ratios = plate::frequency_ratios(elastic)?;
+    let Reduced { projection, force: (force, steps), .. } = reduced;
+    let retuned = ModalBody::retuned(projection, |frequency| ratios.at(frequency));
+    let found = Trials::new(comm, elastic, watch).force_on(Some(retuned), *steps, projection)?;
+    Ok(found.force.difference(force))
 }
 
 /// The layerwise plate; `None` if the solid is needed. Collective.
@@ -74,8 +86,10 @@ pub(super) fn layered(
     };
     let thin = reduce(comm, build_thin(comm, &rough)?.body.linear(), &rough, watch)?;
     let difference = thick.reduced().force.0.difference(&thin.force.0);
-    let mismatch = plate::mismatch(&elastic)?;
-    let of_theory = mindlin_error_over_difference(&elastic) * difference + Errors::throughout(mismatch);
+    let of_waves = error_of_frequencies(comm, &elastic, thick.reduced(), watch)?;
+    let of_boundaries = mindlin_error_over_difference(&elastic) * difference;
+    tracing::debug!(waves = of_waves.first_contact, boundaries = of_boundaries.first_contact, "error of the theory");
+    let of_theory = of_waves + of_boundaries;
     let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));
     let (of_what, part) = (scene.of_measure(), scene.in_measured_part());
     let tolerance = scene.tolerance;
@@ -84,14 +98,16 @@ pub(super) fn layered(
         beside(error, THEORY_SHARE * tolerance)
     );
     let (over, share) = (watch.agreed(error / tolerance), THEORY_SHARE * tolerance);
-    // Cells and basis get the rest of the tolerance, if the theory leaves any.
-    let mut left =
-        Scene { tolerance: (rest(1.0, over) / joined(CELL_SHARE, BASIS_SHARE)).min(1.0) * tolerance, ..scene.clone() };
+    // Cells and basis get what the theory and the time steps leave of the tolerance.
+    let rest = rest(rest(1.0, TIME_STEP_SHARE), over);
+    let mut accepted = tolerance;
+    let mut left = Scene { tolerance: rest / joined(CELL_SHARE, BASIS_SHARE) * tolerance, ..scene.clone() };
     if over > THEORY_SHARE {
         let splines = if scene.is_reduced() { spline::admits(scene) } else { Err("it is not reduced".to_owned()) };
         match splines {
             Err(reason) if over * tolerance <= LARGEST_ERROR_INSTEAD_OF_MESH => {
-                left.tolerance = tolerance.max(TOLERANCE_OVER_THEORY_ERROR * over * tolerance);
+                accepted = tolerance.max(TOLERANCE_OVER_THEORY_ERROR * over * tolerance);
+                left.tolerance = accepted;
                 passed.push(format!(
                     "{judged}, above {share:.1e}, the theory's share of the tolerance, but used: splines cannot model its solid ({reason}), and a mesh has no stresses on faces between layers"
                 ));
@@ -125,6 +141,6 @@ pub(super) fn layered(
     } else {
         Model::of(comm, &left, Theory::Layerwise, watch)?
     };
-    let model = Model { tolerance: tolerance.max(left.tolerance), ..model };
+    let model = Model { tolerance: accepted, ..model };
     Ok(Some(model.with_error(Cause::Theory, of_theory.joined(compression_error(scene)))))
 }

@@ -13,7 +13,7 @@
 //!   energy is proportional to the square.
 //! - **Short contacts.** The local field under the impactor is the static one of a layer. Waves across the thickness
 //!   make its error grow with h/(c_s T) and with its square. c_s is the speed of shear waves and T the contact time on
-//!   a half-space.
+//!   a half-space. In laminates, the plies vibrate on the interlayers, too ([`local_vibrations`]).
 //!
 //! The first two act on slow waves, and the third where the impact begins and ends, with the opposite sign. They are
 //! combined like errors of different causes.
@@ -22,7 +22,7 @@
 
 use crate::impact::joined;
 use crate::scene::{Geometry, Scene, SupportKind};
-use crate::space::plate::crossing;
+use crate::space::plate::local_vibrations;
 
 /// The constant if sections are free to warp. On 16 plates, 8 to 50 times as wide as thick, compared with solids of
 /// tolerance 1e-4, the error exceeded the other two terms by at most 0.001 of the difference.
@@ -68,7 +68,7 @@ pub fn mindlin_error_over_difference(scene: &Scene) -> f64 {
     let across = poisson / (1.0 - poisson);
     let sections = sections(scene, across);
     let [linear, square] = SHORT_CONTACT;
-    let crossing = crossing(scene);
+    let crossing = local_vibrations(scene);
     joined(sections + STRAINED_THICKNESS * across * across, (linear + square * crossing) * crossing)
 }
 

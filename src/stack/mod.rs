@@ -3,7 +3,8 @@
 //!
 //! [`Stack`] is the exact three-dimensional solution for one wavenumber: bonded layers of any stiffness with a free
 //! lower face. [`Section`] is the same field in thin-plate theory, [`Layerwise`] in the layerwise plate theory.
-//! [`LocalField`] sums over the wavenumbers. It contains the stresses that are missing in a discretised body, if the
+//! [`Transverse`] has the shear and the thickness strain of that theory, and [`flexural_frequency`] belongs to moving
+//! stacks. [`LocalField`] sums over the wavenumbers. It contains the stresses that are missing in a discretised body, if the
 //! body carries the force on a disc other than the contact disc or is modelled as a plate. [`half_space`] is Hertz's
 //! field.
 //!
@@ -16,6 +17,7 @@
 //!
 //! This module does not depend on scenes or meshes.
 
+mod flexural_wave;
 pub mod half_space;
 mod layer;
 mod layerwise;
@@ -25,8 +27,10 @@ mod point;
 mod pressure;
 mod resultants;
 mod section;
+mod transverse;
 mod wave;
 
+pub use flexural_wave::flexural_frequency;
 pub use layerwise::{Layerwise, LayerwiseWave};
 pub use level::Level;
 pub use local::{Carrier, LocalField, Sections};
@@ -34,6 +38,7 @@ pub use point::{Cylindrical, PointField};
 pub use pressure::Pressure;
 pub use resultants::on_parabola;
 pub use section::Section;
+pub use transverse::{ShearStrain, Transverse, interlayers};
 pub use wave::Wave;
 
 /// Homogeneous, isotropic, elastic layer.

@@ -11,7 +11,6 @@
 //! axisymmetric load. For one layer, σ_rr + σ_θθ = 6(1 + ν)/(ξh)² on the lower face, as in Kirchhoff's theory.
 
 use super::{Response, Stack};
-use crate::element::gauss_legendre;
 
 /// Cross-section of a stack in thin-plate theory.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,44 +54,9 @@ impl Section {
         Self { rigidity, neutral_depth }
     }
 
-    /// Shear factor κ of each layer in the layerwise theory: (∫σ dz)²/(h ∫σ² dz) with σ = σ_rz as above, times a
-    /// factor. The first part makes the shear energy of long waves equal to the energy of σ_rz. It is 5/6 for one layer
-    /// and for both plies about a thin interlayer. It is near 1 in a layer between layers that carry the bending.
-    ///
-    /// The factor is 6/(6 − ν e), where e is E′ divided by the largest E′. It is significant only in the layers that
-    /// carry the bending. For one layer, waves then have the same speed as with Mindlin's κ = 5/(6 − ν)
-    /// ([`crate::space::plate::Settings::shear_factor`]).
-    pub fn shear_factors(&self, stack: &Stack) -> Vec<f64> {
-        let plane = |layer: &super::Layer| layer.young / (1.0 - layer.poisson.powi(2));
-        let stiffest = stack.layers().iter().map(plane).fold(0.0, f64::max);
-        let of_layer = |(i, layer): (usize, &super::Layer)| {
-            let [mean, square] = self.shear_in(stack, i);
-            mean * mean / square * 6.0 / (6.0 - layer.poisson * plane(layer) / stiffest)
-        };
-        stack.layers().iter().enumerate().map(of_layer).collect()
-    }
-
     /// ξ σ_rz at a depth (m) for a unit transform of the pressure, 1/m.
     pub fn shear(&self, stack: &Stack, depth: f64) -> f64 {
         self.bending(stack, depth).shear
-    }
-
-    /// Mean of ξ σ_rz over a layer, 1/m.
-    pub fn mean_shear(&self, stack: &Stack, layer: usize) -> f64 {
-        self.shear_in(stack, layer)[0]
-    }
-
-    /// Mean of ξ σ_rz over a layer, and mean of its square.
-    fn shear_in(&self, stack: &Stack, layer: usize) -> [f64; 2] {
-        let above: f64 = stack.layers()[..layer].iter().map(|layer| layer.thickness).sum();
-        let (mut mean, mut square) = (0.0, 0.0);
-        // The square is a polynomial of degree 4.
-        for (at, weight) in gauss_legendre(3) {
-            let shear = self.shear(stack, above + 0.5 * stack.layers()[layer].thickness * (1.0 + at));
-            mean += 0.5 * weight * shear;
-            square += 0.5 * weight * shear * shear;
-        }
-        [mean, square]
     }
 
     /// Response of a thin plate at a wavenumber (1/m) and a depth (m).

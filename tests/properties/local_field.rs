@@ -109,8 +109,7 @@ fn plain(stack: &Stack, carrier: &Carrier, (r, z): (f64, f64), contact: f64, end
 }
 
 fn carriers(stack: &Stack) -> Vec<Carrier> {
-    let factors = vec![0.85; stack.layers().len()];
-    let theory = Layerwise::new(stack, &factors).expect("factors");
+    let theory = Layerwise::new(stack);
     let spread = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 };
     let patch = Pressure::Spread { spread: Spread::new(0.4), radius: 1.0 };
     let hertz = Pressure::Hertz { radius: 0.25 };
@@ -133,7 +132,8 @@ fn carriers(stack: &Stack) -> Vec<Carrier> {
 /// Direct integration for every carrier, in the middle of the layer and on its lower face, for two contacts. The
 /// integral is cut off at ξ = 200. The remaining part of a plate's field is missing: P_w J₁, and s ξ P_w J₀ with a
 /// displacement average of weight s, in all 1e-5; 3e-4 with Hertz's pressure. For the bent solid, ξ P_w on the loaded
-/// lower face is missing too, 1e-5.
+/// lower face is missing too, 1e-5. The layerwise theory is summed over waves up to ξ = 24. Without averaging over a
+/// disc, shorter waves have a shear stress of 2e-4, because the load acts on the face.
 #[test]
 fn integrals_as_they_stand() {
     let stacks = [(one_layer(1.0, 0.3), true), (laminate(1e-3, 0.45), false), (laminate(1e-6, 0.4999), false)];
@@ -150,6 +150,7 @@ fn integrals_as_they_stand() {
                         (values(table.stress(contact)), plain(&stack, &carrier, (r, z), contact, 200.0));
                     let tail = match carrier {
                         Carrier::Plate { pressure: Pressure::Hertz { .. }, .. } => 3e-4,
+                        Carrier::Layerwise { smoothing: None, .. } => 3e-4,
                         Carrier::Plate { .. } | Carrier::Layerwise { .. } => 3e-5,
                         // Quadrature with twelve points over the thickness, where waves of half the thickness remain.
                         Carrier::Sections { .. } => 3e-5,

@@ -59,16 +59,20 @@ fn integrals_are_those_by_quadrature() {
             vec![part(1, [2, 1, 0])],
         ])
         .zip([1.5, -0.3, 2.0, 0.7])
-        .map(|((&place, parts), factor)| Square { factor, parts, place })
+        .map(|((&place, parts), factor)| Square {
+            factor,
+            parts: [0.4, -1.0, 1.3].into_iter().zip(parts).collect(),
+            place,
+        })
         .collect();
     let (mut exact, mut vector) = (DMatrix::zeros(n, n), DVector::zeros(n));
     let mut linear = Vec::new();
     for Square { factor, parts, place } in &squares {
-        linear.push(Linear { factor: *factor, part: parts[0], place: *place });
+        linear.push(Linear { factor: *factor, part: parts[0].1, place: *place });
         for (point, weight) in points(*place) {
             let mut sums = [vec![0.0; n], vec![0.0; n]];
-            parts.iter().for_each(|part| tensor.add_point(*part, point, 1.0, &mut sums[0]));
-            tensor.add_point(parts[0], point, 1.0, &mut sums[1]);
+            parts.iter().for_each(|(weight, part)| tensor.add_point(*part, point, *weight, &mut sums[0]));
+            tensor.add_point(parts[0].1, point, 1.0, &mut sums[1]);
             let [all, first] = sums.map(DVector::from_vec);
             exact += factor * weight * &all * all.transpose();
             vector += factor * weight * first;
@@ -106,7 +110,7 @@ fn lines_are_sums_of_points() {
 #[test]
 fn patterns_are_nested() {
     let tensor = tensor();
-    let matrix = |parts: &[Part<3>], place| tensor.matrix(&[Square { factor: 1.0, parts: parts.to_vec(), place }]);
+    let matrix = |parts: &[Part<3>], place| tensor.matrix(&[Square::of_sum(1.0, parts, place)]);
     let fields = [0, 1].map(|field| Part { field, derivatives: [0; 3] });
     let all = DMatrix::from(&matrix(&fields, [Along::All; 3]));
     for place in PLACES {
@@ -157,7 +161,11 @@ fn products_along_the_axes_are_those_of_the_matrix() {
         .into_iter()
         .zip(parts)
         .zip([1.5, -0.3, 2.0, 0.7])
-        .map(|((place, parts), factor)| Square { factor, parts, place })
+        .map(|((place, parts), factor)| Square {
+            factor,
+            parts: [0.4, -1.0, 1.3].into_iter().zip(parts).collect(),
+            place,
+        })
         .collect();
     for count in 1..=forms.len() {
         let (matrix, factorised) =

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::contact::zener;
+use crate::form::Lame;
 use crate::form::plate::Section;
 use crate::material::Material;
 use crate::scene::{Geometry, Impactor, Scene};
@@ -10,6 +11,7 @@ use crate::scene::{Geometry, Impactor, Scene};
 use super::Settings;
 use super::geometry::PlateGeometry;
 use crate::space::grading::{Side, Sizes};
+use crate::stack::interlayers;
 
 /// Cell size divided by the distance from the impact point, between the smallest and the largest cells.
 const CELL_GROWTH: f64 = 1.0;
@@ -24,6 +26,11 @@ const CELL_OVER_DISC: f64 = 0.75;
 /// mm, and 0.2%, 0.7% and 0.8% on a plate of 40 mm. The errors are the same for splines of degree 4 and 5, and for
 /// cells at the impact point of 0.4 to 0.75 of the disc.
 const CELL_OVER_WAVELENGTH: f64 = 0.14;
+
+/// Longest period of shear waves in an interlayer that counts, over the duration of the contact. Measured on 4.9 / 1.52 /
+/// 4.9 mm with 5 MPa, where the period is 0.3 times the duration: the upper ply vibrates on the interlayer and changes the
+/// acceleration by 2.8%, a fifth of the effect of shear and the local field.
+const LONGEST_VIBRATION_OF_INTERLAYER: f64 = 0.3;
 
 /// Smallest width of a cell at an edge, divided by the thickness, that is split to resolve the edge.
 const LEAST_SPLIT: f64 = 1.5;
@@ -109,13 +116,50 @@ pub(in crate::space) fn wavelength(section: &Section, period: f64) -> f64 {
 /// Ratio of the time in which a shear wave crosses the thickness of a box to the duration of a contact with a
 /// half-space. The wave crosses all layers, with their moduli at t → 0. Infinite for a mesh file.
 pub fn crossing(scene: &Scene) -> f64 {
+    times_over_contact(scene, |layers, layer| layers[layer].crossing())
+}
+
+/// Same as [`crossing`], where an [interlayer](interlayers) counts with the longer one of two periods: that of the
+/// vibration in which its neighbours squeeze it, and that of the shear wave between its faces, 2h/c_s. The latter counts up
+/// to a part of the contact only, since softer interlayers transmit less shear.
+pub fn local_vibrations(scene: &Scene) -> f64 {
+    let contact = scene.impactor.contact_time();
+    times_over_contact(scene, |layers, layer| {
+        let moduli: Vec<f64> = layers.iter().map(|layer| layer.constants.mu).collect();
+        let Crossed { thickness, density, constants: Lame { lambda, mu } } = layers[layer];
+        if !interlayers(&moduli)[layer] {
+            return layers[layer].crossing();
+        }
+        let [above, below] = [layer - 1, layer + 1].map(|ply| layers[ply].thickness * layers[ply].density);
+        let reduced = above * below / (above + below);
+        let of_squeezing = TAU * (reduced * thickness / (lambda + 2.0 * mu)).sqrt();
+        let of_shear = 2.0 * thickness / (mu / density).sqrt();
+        of_squeezing.max(of_shear.min(LONGEST_VIBRATION_OF_INTERLAYER * contact))
+    })
+}
+
+/// A layer that waves cross.
+struct Crossed {
+    thickness: f64,
+    density: f64,
+    constants: Lame,
+}
+
+impl Crossed {
+    /// Time in which a shear wave crosses the layer, s.
+    fn crossing(&self) -> f64 {
+        self.thickness / (self.constants.mu / self.density).sqrt()
+    }
+}
+
+/// Sum of a time (s) of each layer over the duration of a contact with a half-space. Infinite for a mesh file.
+fn times_over_contact(scene: &Scene, time: impl Fn(&[Crossed], usize) -> f64) -> f64 {
     let (body, impactor) = (&scene.body, &scene.impactor);
     let (Geometry::Box { size, .. }, Some(axis)) = (&body.geometry, scene.struck_axis()) else { return f64::INFINITY };
-    let through = |(thickness, material): (f64, Material)| {
+    let crossed = |(thickness, material): (f64, Material)| {
         let constants = material.instantaneous;
-        let speed = (0.5 * constants.young / (1.0 + constants.poisson) / constants.density).sqrt();
-        thickness / speed
+        Crossed { thickness, density: constants.density, constants: constants.lame() }
     };
-    let all: f64 = body.composition.across(axis, size[axis]).into_iter().map(through).sum();
-    all / impactor.contact_time()
+    let layers: Vec<Crossed> = body.composition.across(axis, size[axis]).into_iter().map(crossed).collect();
+    (0..layers.len()).map(|layer| time(&layers, layer)).sum::<f64>() / impactor.contact_time()
 }

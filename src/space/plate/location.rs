@@ -11,7 +11,7 @@ pub(super) fn localization(points: &Points) -> Vec<f64> {
     let Points { geometry, section, local, laminate, .. } = points;
     match (laminate, local) {
         (Some(laminate), _) => {
-            let mut parts = laminate.moments();
+            let mut parts = laminate.face_deflection();
             parts.push((1.0, deflection([0, 0])));
             on_disc(points, (&laminate.spread, laminate.radius), &parts)
         }

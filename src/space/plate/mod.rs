@@ -15,9 +15,9 @@ mod square;
 mod theory;
 mod waves;
 
-pub use cells::crossing;
 pub(super) use cells::{contact_time, wavelength};
-pub use laminate::{Laminate, MODULI_TIME_OVER_CONTACT, contact_wavelength, mismatch};
+pub use cells::{crossing, local_vibrations};
+pub use laminate::{FrequencyRatios, Laminate, MODULI_TIME_OVER_CONTACT, contact_wavelength, frequency_ratios};
 pub use points::Points;
 pub use theory::PlateTheory;
 pub use waves::{classes_of_motions, infinite_plate};
@@ -386,10 +386,10 @@ mod tests {
             let relaxing = plate(&scene(chain, layers));
             let [(distortion, chain)] = &relaxing.system.relaxations[..] else { panic!("one relaxation") };
             let laminate = relaxing.laminate.as_ref().expect("layers");
-            // The shear factors must be those for the modulus at the contact time.
+            // The shear strains must be those for the modulus at the contact time.
             let [stiff, soft] = [chain.instantaneous(), chain.equilibrium].map(|shear| {
                 let elastic = plate(&scene(&format!("shear = {shear:e}"), layers)).laminate.expect("layers");
-                relaxing.points.tensor.matrix(&elastic.with_shear_factors_of(laminate).elastic())
+                relaxing.points.tensor.matrix(&elastic.with_theory_of(laminate).elastic())
             });
             let profile = &laminate.profile;
             let tensor = &relaxing.points.tensor;

@@ -2,8 +2,8 @@
 //!
 //! The in-plane displacement at the height ζ along w is ζ θ, with θ = −∇w in Kirchhoff's theory; for several layers see
 //! [`crate::form::layerwise`]. Stresses are the plane stresses of bending. The only stress across the plate is the
-//! transverse shear. For one layer it is parabolic, with zeros on both faces; for several layers it has the
-//! distribution of long waves in each layer.
+//! transverse shear. For one layer it is parabolic, with zeros on both faces; for several layers see
+//! [`crate::stack::Transverse`].
 
 use super::geometry::PlateGeometry;
 use super::{Laminate, Local, PlateTheory};
@@ -47,9 +47,6 @@ pub(super) struct Law {
     pub poisson: f64,
     /// Shear modulus μ, Pa.
     pub shear: f64,
-    /// Ratio of the transverse shear stress to the shear strain of the theory (Pa), and the number of the rotation in
-    /// that strain; `None` for Kirchhoff's theory.
-    across: Option<(f64, usize)>,
 }
 
 impl Points {
@@ -79,22 +76,26 @@ impl Points {
     pub(super) fn law(&self, height: f64) -> Law {
         let plane = |Material { young, poisson, .. }: Material| young / (1.0 - poisson * poisson);
         let shear = |Material { young, poisson, .. }: Material| 0.5 * young / (1.0 + poisson);
-        match &self.laminate {
-            None => {
-                let Section { thickness, .. } = self.section;
-                let material = self.section.material();
-                let over_mean = 1.5 * (1.0 - (2.0 * height / thickness).powi(2));
-                let across = self.local.as_ref().map(|local| (over_mean * local.shear_factor * shear(material), 0));
-                Law { plane: plane(material), poisson: material.poisson, shear: shear(material), across }
-            }
-            Some(laminate) => {
-                let layer = laminate.profile.layer_at(height);
-                let (material, shear_factor) = laminate.law(layer);
-                let over_mean = laminate.shear_over_mean(height);
-                let across = Some((over_mean * shear_factor * shear(material), laminate.profile.group_of(layer)));
-                Law { plane: plane(material), poisson: material.poisson, shear: shear(material), across }
-            }
+        let material = match &self.laminate {
+            None => self.section.material(),
+            Some(laminate) => laminate.material(laminate.profile.layer_at(height)),
+        };
+        Law { plane: plane(material), poisson: material.poisson, shear: shear(material) }
+    }
+
+    /// Transverse shear stress along an axis of the plane, as terms with factors. Kirchhoff's theory has none.
+    fn shear_stress(&self, axis: usize, height: f64) -> Vec<(f64, Part<2>)> {
+        if let Some(laminate) = &self.laminate {
+            return laminate.shear_stress(axis, height);
         }
+        let Some(local) = &self.local else { return Vec::new() };
+        let over_mean = 1.5 * (1.0 - (2.0 * height / self.section.thickness).powi(2));
+        let factor = over_mean * local.shear_factor * self.law(height).shear;
+        let mut along = [0, 0];
+        along[axis] = 1;
+        // The faces have no shear stress, but for rounding.
+        let parts = [deflection(along), rotation(axis, [0, 0])];
+        parts.into_iter().filter(|_| over_mean > 1e-12).map(|part| (factor, part)).collect()
     }
 
     /// Number of unknowns of all symmetry classes; each class has all unknowns of the tensor-product space.
@@ -250,13 +251,9 @@ impl FaceLineEvaluator for Points {
         let mut stress: [Form; 6] = Default::default();
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (point, height) = self.seen(x);
-        if let Some((across, turned)) = self.law(height).across {
-            for (i, axis) in axes.into_iter().enumerate() {
-                let mut along = [0, 0];
-                along[i] = 1;
-                for part in [deflection(along), layerwise::rotation(turned, i, [0, 0])] {
-                    stress[place(axis, normal)].extend(self.form(part, point, sign * across));
-                }
+        for (i, axis) in axes.into_iter().enumerate() {
+            for (factor, part) in self.shear_stress(i, height) {
+                stress[place(axis, normal)].extend(self.form(part, point, sign * factor));
             }
         }
         stress
@@ -269,7 +266,7 @@ impl PointEvaluator for Points {
         let (point, height) = self.seen(x);
         let form = |(factor, part): (f64, Part<2>)| self.form(part, point, factor);
         let mut stress: [Form; 6] = Default::default();
-        let Law { plane, poisson, shear, across } = self.law(height);
+        let Law { plane, poisson, shear } = self.law(height);
         for (i, axis) in axes.into_iter().enumerate() {
             let mut along = [0, 0];
             along[i] = 1;
@@ -278,11 +275,7 @@ impl PointEvaluator for Points {
             add(&mut stress[axis], plane, &stretch);
             add(&mut stress[axes[1 - i]], plane * poisson, &stretch);
             add(&mut stress[place(axes[0], axes[1])], shear, &sum(self.turned(i, [along[1], along[0]], height)));
-            if let Some((across, turned)) = across {
-                let to = &mut stress[place(axis, normal)];
-                add(to, sign * across, &form((1.0, deflection(along))));
-                add(to, sign * across, &form((1.0, layerwise::rotation(turned, i, [0, 0]))));
-            }
+            add(&mut stress[place(axis, normal)], sign, &sum(self.shear_stress(i, height)));
         }
         let displacement = self.displacement_by(x, |part, point, factor| self.form(part, point, factor));
         Forms { displacement, stress: stress.map(summed), local: None }
@@ -321,14 +314,9 @@ impl PointEvaluator for Points {
         self.add_stress_in_plane(x, add);
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (_, height) = self.seen(x);
-        let Law { shear, across, .. } = self.law(height);
         for (i, axis) in axes.into_iter().enumerate() {
-            let mut along = [0, 0];
-            along[i] = 1;
-            if let Some((across, turned)) = across.filter(|(across, _)| *across > 1e-12 * shear) {
-                let to = [(place(axis, normal), sign * across)];
-                self.put(x, &to, (1.0, deflection(along)), add);
-                self.put(x, &to, (1.0, layerwise::rotation(turned, i, [0, 0])), add);
+            for part in self.shear_stress(i, height) {
+                self.put(x, &[(place(axis, normal), sign)], part, add);
             }
         }
     }

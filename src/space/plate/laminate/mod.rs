@@ -1,8 +1,10 @@
 //! Layers of a plate with different materials: their model in the layerwise theory, and their local contact model.
 
+mod frequency_ratios;
 mod local;
 mod waves;
 
+pub use frequency_ratios::FrequencyRatios;
 pub use waves::LayerwiseWaves;
 
 use std::f64::consts::TAU;
@@ -10,7 +12,7 @@ use std::f64::consts::TAU;
 use super::geometry::{NAMES, PlateGeometry};
 use super::{Settings, cells};
 use crate::description::{Description, Part, Portion};
-use crate::form::layerwise::{LayerModuli, Profile, rotation};
+use crate::form::layerwise::{LayerModuli, Profile};
 use crate::form::plate::Section;
 use crate::form::tensor::{Part as Derivative, Square};
 use crate::form::{Material, Spread};
@@ -25,9 +27,6 @@ const LEAST_LAYER: f64 = 0.125;
 /// duration of a contact with a half-space.
 pub const MODULI_TIME_OVER_CONTACT: f64 = 0.5;
 
-/// Shear factor κ of layers that are rigid in shear.
-const RIGID: f64 = 1e3;
-
 /// Smallest Young's modulus of a layer that counts as bending, as a fraction of the largest Young's modulus.
 const STIFF: f64 = 0.1;
 
@@ -40,16 +39,12 @@ pub struct Laminate {
     /// Variation of the displacements through the layers.
     pub(super) profile: Profile,
     parts: Vec<Part>,
-    shear_factors: Vec<f64>,
-    /// Layerwise theory of the infinite stack, with the reading w + β M. Viscoelastic layers have their shear modulus
-    /// at the contact time.
+    /// Layerwise theory of the infinite stack. Viscoelastic layers have their shear modulus at the contact time.
     pub(super) theory: Layerwise,
     /// Pressure on the disc.
     pub(super) spread: Spread,
     /// Radius of the disc, m.
     pub radius: f64,
-    /// Factor β in the displacement w + β M, m/N.
-    pub reading: f64,
     /// Local compliance c of the whole plate, m/N: α = δ − c F.
     pub compliance: f64,
     /// Mass per unit of area, kg/m².
@@ -74,8 +69,8 @@ impl Laminate {
             return Ok(laminate);
         }
         let edge = geometry.edges[0].max(geometry.edges[1]);
-        let (reading, compliance) = local::constants(&laminate.theory, (&laminate.spread, laminate.radius), edge);
-        Ok(Self { theory: laminate.theory.with_reading(reading), reading, compliance, ..laminate })
+        let compliance = local::compliance(&laminate.theory, (&laminate.spread, laminate.radius), edge);
+        Ok(Self { compliance, ..laminate })
     }
 
     /// Same as [`Self::new`] without the local contact model, whose integrals take most of the time.
@@ -113,19 +108,17 @@ impl Laminate {
         let layers: Vec<stack::Layer> = parts.iter().zip(&thicknesses).map(layer).collect();
         let stack = Stack::new(&layers).ok_or("a layer is no stable elastic solid")?;
         let section = stack::Section::new(&stack);
-        let mut shear_factors = section.shear_factors(&stack);
-        if settings.is_thin {
+        let theory = if settings.is_thin {
             let stiffest = layers.iter().map(|layer| layer.young).fold(0.0, f64::max);
-            let of_stiff = shear_factors.iter_mut().zip(&layers).filter(|(_, layer)| layer.young >= STIFF * stiffest);
-            of_stiff.for_each(|(factor, _)| *factor = RIGID);
-        }
-        let theory = Layerwise::new(&stack, &shear_factors).ok_or("a layer has no shear factor")?;
+            Layerwise::thin(&stack, |layer| layer.young >= STIFF * stiffest)
+        } else {
+            Layerwise::new(&stack)
+        };
         let (spread, radius) = (Spread::new(0.0), disc(&thicknesses, geometry, settings));
         let density = |part: &Part| part.material.instantaneous.density;
         let mass = parts.iter().zip(&thicknesses).map(|(part, h)| density(part) * h).sum();
         let profile = Profile::new(&thicknesses, is_mirrored);
-        let (reading, compliance) = (0.0, 0.0);
-        Ok(Self { profile, parts, shear_factors, theory, spread, radius, reading, compliance, mass, section })
+        Ok(Self { profile, parts, theory, spread, radius, compliance: 0.0, mass, section })
     }
 
     /// Layerwise theory of the infinite stack, as it is loaded and evaluated, and the pressure on the disc.
@@ -135,8 +128,8 @@ impl Laminate {
 
     /// Forms of twice the elastic energy after all relaxation.
     pub(super) fn elastic(&self) -> Vec<Square<2>> {
-        let of = |(part, kappa): (&Part, &f64)| LayerModuli::new(part.material.relaxed(), *kappa);
-        self.profile.elastic(&self.with_factors().map(of).collect::<Vec<_>>())
+        let of = |part: &Part| LayerModuli::new(part.material.relaxed());
+        self.profile.elastic(&self.parts.iter().map(of).collect::<Vec<_>>(), self.theory.transverse())
     }
 
     /// Forms of twice the energy of viscoelastic layers for a unit shear modulus. `relaxing` holds the numbers of their
@@ -146,19 +139,19 @@ impl Laminate {
         let is_relaxing =
             |layer: usize| relaxing.contains(&if geometry.sign < 0.0 { count - 1 - layer } else { layer });
         // The chord is taken between the ends of the whole Prony series, so that it is the same at all temperatures.
-        let of = |(layer, (part, kappa)): (usize, (&Part, &f64))| match &part.given {
+        let of = |(layer, part): (usize, &Part)| match &part.given {
             Some(chain) if is_relaxing(layer) => {
-                LayerModuli::of_distortion(part.material.bulk(), [chain.equilibrium, chain.instantaneous()], *kappa)
+                LayerModuli::of_distortion(part.material.bulk(), [chain.equilibrium, chain.instantaneous()])
             }
             _ => LayerModuli::default(),
         };
-        self.profile.elastic(&self.with_factors().enumerate().map(of).collect::<Vec<_>>())
+        self.profile.elastic(&self.parts.iter().enumerate().map(of).collect::<Vec<_>>(), self.theory.transverse())
     }
 
     /// Forms of twice the kinetic energy.
     pub(super) fn inertia(&self) -> Vec<Square<2>> {
         let densities: Vec<f64> = self.parts.iter().map(|part| part.material.instantaneous.density).collect();
-        self.profile.mass(&densities)
+        self.profile.mass(&densities, self.theory.transverse())
     }
 
     /// Sum of the body forces of the layers along an axis of the scene, integrated over the thickness, N/m².
@@ -167,41 +160,30 @@ impl Laminate {
         heights.zip(&self.parts).map(|(ends, part)| part.force[axis] * (ends[1] - ends[0])).sum()
     }
 
-    /// Terms that are loaded and evaluated in addition to w: derivatives of rotations, with their factors. They are β M
-    /// with M = Σ E′_i ∫ ζ φ_k dζ ∇·θ_k.
-    pub(super) fn moments(&self) -> Vec<(f64, Derivative<2>)> {
-        let layers = self.theory.stack().layers();
-        let of_shape = |k: usize| -> f64 {
-            let plane = |layer: &stack::Layer| layer.young / (1.0 - layer.poisson.powi(2));
-            layers.iter().enumerate().map(|(i, layer)| plane(layer) * self.profile.moment(k, i)).sum()
-        };
-        let of = |k: usize| {
-            let factor = self.reading * of_shape(k);
-            [(factor, rotation(k, 0, [1, 0])), (factor, rotation(k, 1, [0, 1]))]
-        };
-        (0..self.profile.len()).flat_map(of).collect()
+    /// Deflection of the loaded face minus the mean deflection w, as derivatives of rotations with their factors.
+    pub(super) fn face_deflection(&self) -> Vec<(f64, Derivative<2>)> {
+        self.profile.dilatation(&self.theory.transverse().face_deflection, [0, 0])
     }
 
-    /// Instantaneous elastic constants of a layer, and its shear factor κ.
-    pub(super) fn law(&self, layer: usize) -> (Material, f64) {
-        (self.parts[layer].material.instantaneous, self.shear_factors[layer])
+    /// Instantaneous elastic constants of a layer.
+    pub(super) fn material(&self, layer: usize) -> Material {
+        self.parts[layer].material.instantaneous
     }
 
-    /// Ratio of the transverse shear stress at a height to its mean in the layer, for long waves.
-    pub(super) fn shear_over_mean(&self, height: f64) -> f64 {
-        let stack = self.theory.stack();
+    /// Transverse shear stress along an axis at a height, as derivatives of fields with their factors. Viscoelastic
+    /// layers have their instantaneous moduli.
+    pub(super) fn shear_stress(&self, axis: usize, height: f64) -> Vec<(f64, Derivative<2>)> {
         let layer = self.profile.layer_at(height);
-        let mean = self.section.mean_shear(stack, layer);
-        self.section.shear(stack, (height + 0.5 * stack.thickness()).clamp(0.0, stack.thickness())) / mean
-    }
-
-    /// Relative error of the static response of the infinite plate at the wavelength of the contact.
-    pub fn mismatch(&self, scene: &Scene) -> f64 {
-        let section = self.section(scene);
-        let wavenumber = TAU / cells::wavelength(&section, cells::contact_time(&section, &scene.impactor));
-        let stack = self.theory.stack();
-        let exact = stack.wave(wavenumber).response(stack, 0.0).u_z;
-        (self.theory.read(&self.theory.wave(wavenumber)) / exact - 1.0).abs()
+        let ends = &self.profile.heights[layer..layer + 2];
+        let part = ((height - ends[0]) / (ends[1] - ends[0])).clamp(0.0, 1.0);
+        let moduli: Vec<f64> = self.parts.iter().map(|part| part.material.instantaneous.lame().mu).collect();
+        let transverse = self.theory.transverse();
+        let strains = transverse.stress(layer, part, &moduli).into_iter().zip(&transverse.shear);
+        let of_strain = |(factor, strain): (f64, &stack::ShearStrain)| {
+            let parts = self.profile.shear_strain(strain, axis).into_iter();
+            parts.map(move |(of_part, part)| (factor * of_part, part))
+        };
+        strains.filter(|(factor, _)| *factor != 0.0).flat_map(of_strain).collect()
     }
 
     /// Single-layer plate with the mass of the stack and with its rigidity for the waves of the contact. The cell sizes
@@ -210,7 +192,6 @@ impl Laminate {
         let stack = self.theory.stack();
         let struck = scene.body.struck();
         let thickness = stack.thickness();
-        let unread = self.theory.clone().with_reading(0.0);
         let of_rigidity = |rigidity: f64| {
             let young = rigidity * 12.0 * (1.0 - struck.poisson.powi(2)) / thickness.powi(3);
             Section { thickness, young, poisson: struck.poisson, density: self.mass / thickness }
@@ -218,7 +199,7 @@ impl Laminate {
         let mut section = of_rigidity(self.section.rigidity);
         for _ in 0..ROUNDS {
             let wavenumber = TAU / cells::wavelength(&section, cells::contact_time(&section, &scene.impactor));
-            let deflection = unread.read(&unread.wave(wavenumber));
+            let deflection = self.theory.face_deflection(&self.theory.wave(wavenumber));
             // Take the geometric mean of the old and the new rigidity, since the wavelength increases with the
             // rigidity.
             let rigidity = (section.rigidity() / (deflection * wavenumber.powi(4))).sqrt();
@@ -227,40 +208,38 @@ impl Laminate {
         section
     }
 
-    /// Copy of the laminate with the shear factors of another.
+    /// Copy of the laminate with the shear strains and the deflections of another.
     #[cfg(test)]
-    pub(super) fn with_shear_factors_of(self, other: &Self) -> Self {
-        Self { shear_factors: other.shear_factors.clone(), ..self }
-    }
-
-    fn with_factors(&self) -> impl Iterator<Item = (&Part, &f64)> {
-        self.parts.iter().zip(&self.shear_factors)
+    pub(super) fn with_theory_of(self, other: &Self) -> Self {
+        Self { theory: other.theory.clone(), ..self }
     }
 }
 
-/// Relative error of the static response of the layerwise theory at the wavelength of the contact
-/// ([`Laminate::mismatch`]).
+/// Exact frequencies of the flexural waves of a scene's stack, over those of the layerwise theory. Viscoelastic layers
+/// must have been replaced by elastic ones.
 ///
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
-pub fn mismatch(scene: &Scene) -> crate::error::Result<f64> {
-    Ok(of_scene(scene)?.mismatch(scene))
+pub fn frequency_ratios(scene: &Scene) -> crate::error::Result<FrequencyRatios> {
+    let (laminate, geometry) = of_scene(scene)?;
+    Ok(FrequencyRatios::new(&laminate, &geometry))
 }
 
 /// Length of the flexural waves of the contact with a layerwise plate, m. The cell sizes are based on it.
 ///
 /// # Errors
-/// Same as [`mismatch`].
+/// Same as [`frequency_ratios`].
 pub fn contact_wavelength(scene: &Scene) -> crate::error::Result<f64> {
-    let section = of_scene(scene)?.section(scene);
+    let section = of_scene(scene)?.0.section(scene);
     Ok(cells::wavelength(&section, cells::contact_time(&section, &scene.impactor)))
 }
 
-fn of_scene(scene: &Scene) -> crate::error::Result<Laminate> {
-    let theory = super::PlateTheory::Layerwise;
-    let laminate = super::geometry(scene, theory)
-        .and_then(|plate| Laminate::new(scene, &plate, &Description::new(scene).parts, &Settings::default()));
-    Ok(laminate.map_err(|reason| super::fault(theory, &reason))?)
+/// Layers of a scene's plate without their local contact model, and the plate's geometry.
+fn of_scene(scene: &Scene) -> crate::error::Result<(Laminate, PlateGeometry)> {
+    let fault = |reason: String| super::fault(super::PlateTheory::Layerwise, &reason);
+    let geometry = super::geometry(scene, super::PlateTheory::Layerwise).map_err(fault)?;
+    let laminate = Laminate::without_local(scene, &geometry, &Description::new(scene).parts, &Settings::default());
+    Ok((laminate.map_err(fault)?, geometry))
 }
 
 /// Radius of the loaded disc, m. It is as for a plate made of the impacted layer alone, which may bend separately on a

@@ -39,7 +39,7 @@ impl<'a> LayerwiseWaves<'a> {
             elastic.extend(unit.map(|form| Square { factor: modulus * form.factor, ..form }));
         }
         let mut reading = vec![(1.0, Part { field: DEFLECTION, derivatives: [0, 0] })];
-        reading.extend(laminate.moments());
+        reading.extend(laminate.face_deflection());
         Self { laminate, forms: [elastic, laminate.inertia()], reading }
     }
 
@@ -72,7 +72,7 @@ impl<'a> LayerwiseWaves<'a> {
         let size = 1 + self.laminate.profile.len();
         let mut symbol = DMatrix::zeros(size, size);
         for form in forms {
-            let row = self.row(form.parts.iter().map(|part| (1.0, *part)), wavenumber);
+            let row = self.row(form.parts.iter().copied(), wavenumber);
             symbol += (&row * row.adjoint()).map(|entry| entry.re) * form.factor;
         }
         symbol

@@ -1,0 +1,373 @@
+//! Transverse shear and thickness strain in a stack whose in-plane displacements are linear across each layer.
+//!
+//! The layerwise theory has the in-plane displacements u_j of the faces and interfaces and the mean w of the deflection
+//! over the thickness. Two fields follow from them.
+//!
+//! **Deflection.** In bending σ_zz is small, so ε_zz = −ν/(1 − ν) ∇·u. The deflection is quadratic across each layer:
+//! w(z) = w + Σ r_j(z) ∇·u_j, where each r_j has the mean 0.
+//!
+//! **Shear stress.** It is zero on the faces, continuous, and quadratic across each layer. A layer that is softer in
+//! shear than both neighbours is an *interlayer*, every other layer is a *ply*. The mean stress τ_i of each layer is
+//! unknown. At a face between a ply and an interlayer the stress is that of the interlayer. At all faces, the ratio of
+//! the stress to the mean stress of the layer that determines it is the ratio in long waves ([`Section::shear`]).
+//!
+//! In Reissner's mixed principle (E. Reissner, On a certain mixed variational theorem and a proposed application, Int.
+//! J. Numer. Methods Eng. 20, 1984), the shear energy is the stationary value of
+//!
+//! ∫ τ (∂u/∂z + ∇w(z)) dz − ½ ∫ τ²/μ dz.
+//!
+//! The first integral is Σ τ_i h_i γ_i with linear forms γ_i of u, ∇w and ∇∇·u. The second one couples the stress of a
+//! ply to those of its interlayers, and is diagonal after it is completed to squares: the shear of a ply near an
+//! interlayer then belongs to the strain of the interlayer. Two interlayers of one ply remain coupled by a small term,
+//! whose value in long waves is added to their squares. The energy is a sum of one square for each layer.
+//!
+//! For one layer, w(z) weighted by the parabola of the shear stress is w + ν h²/(60 (1 − ν)) ∇·θ, and κ = 5/6. In long
+//! waves this is Mindlin's plate with κ = 5/(6 − ν).
+
+use super::{Layer, Section, Stack};
+
+/// Shear factor κ of layers that are rigid in shear.
+const RIGID: f64 = 1e3;
+
+/// Shear and thickness strain of a stack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Transverse {
+    /// Shear strain of each layer, from the loaded face down.
+    pub shear: Vec<ShearStrain>,
+    /// Mean of r_j over each layer, for all faces and interfaces j, m.
+    pub layer_deflections: Vec<Vec<f64>>,
+    /// r_j on the loaded face, m. A mirror-symmetric stack is loaded antisymmetrically, by half of the force on each
+    /// face, so that it only bends. Squeezing is a part of the local field.
+    pub face_deflection: Vec<f64>,
+    /// Shear stress in each layer, as distributions of the mean stresses of some layers.
+    distributions: Vec<Vec<(usize, Parabola)>>,
+    /// For each layer: other layers with factors of their mean stresses, which are subtracted from its own.
+    carried: Vec<Vec<(usize, f64)>>,
+}
+
+/// Shear strain ∇w + Σ a_j u_j + Σ b_j ∇∇·u_j of a layer, over all faces and interfaces j. Twice the shear energy per
+/// unit of area is `factor` · μ times its square, with the layer's shear modulus μ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShearStrain {
+    /// Thickness times the shear factor κ, m.
+    pub factor: f64,
+    /// Factors a_j, 1/m.
+    pub of_displacements: Vec<f64>,
+    /// Factors b_j, m.
+    pub of_dilatations: Vec<f64>,
+    /// Thickness to which the strain belongs, m: the thickness of the layer and, for an interlayer, parts of its plies.
+    thickness: f64,
+}
+
+/// Quadratic distribution across a layer, by its values at both faces and its mean.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Parabola {
+    upper: f64,
+    mean: f64,
+    lower: f64,
+}
+
+impl Parabola {
+    /// Coefficients of 1, s and s², with s from −1 at the upper face to 1.
+    fn coefficients(&self) -> [f64; 3] {
+        let bend = 1.5 * (0.5 * (self.upper + self.lower) - self.mean);
+        [self.mean - bend / 3.0, 0.5 * (self.lower - self.upper), bend]
+    }
+
+    /// Value at a part (0 to 1) of the thickness.
+    fn at(&self, part: f64) -> f64 {
+        let s = 2.0 * part - 1.0;
+        let [constant, linear, square] = self.coefficients();
+        constant + s * (linear + s * square)
+    }
+
+    /// Mean of the product with another distribution.
+    fn mean_of_product(&self, other: &Self) -> f64 {
+        let ([_, a, b], [_, c, d]) = (self.coefficients(), other.coefficients());
+        self.mean * other.mean + a * c / 3.0 + 4.0 / 45.0 * b * d
+    }
+}
+
+impl Transverse {
+    /// Shear and thickness strain of a stack.
+    pub fn new(stack: &Stack) -> Self {
+        let layers = stack.layers();
+        let count = layers.len();
+        let stresses = Stresses::of_long_waves(stack);
+        let is_interlayer = interlayers(&layers.iter().map(shear).collect::<Vec<_>>());
+        let distributions = stresses.distributions(&is_interlayer);
+        let deflections = deflections(stack);
+        // h/μ times the mean product of the distributions of two mean stresses, summed over the layers.
+        let compliance = |a: usize, b: usize| -> f64 {
+            let of_layer = |(parts, layer): (&Vec<(usize, Parabola)>, &Layer)| {
+                let find = |number: usize| parts.iter().find(|(of, _)| *of == number).map(|(_, shape)| shape);
+                let product = find(a).zip(find(b)).map_or(0.0, |(one, other)| one.mean_of_product(other));
+                layer.thickness / shear(layer) * product
+            };
+            distributions.iter().zip(layers).map(of_layer).sum()
+        };
+        // ∫ τ (∂u/∂z + ∇w(z)) dz for a unit mean stress of a layer.
+        let conjugate = |a: usize| {
+            let mut displacements = vec![0.0; count + 1];
+            (displacements[a], displacements[a + 1]) = (-1.0, 1.0);
+            let mut dilatations = vec![0.0; count + 1];
+            for (i, parts) in distributions.iter().enumerate() {
+                for (_, shape) in parts.iter().filter(|(of, _)| *of == a) {
+                    let add = |(sum, of_face): (&mut f64, &Parabola)| {
+                        *sum += layers[i].thickness * shape.mean_of_product(of_face);
+                    };
+                    dilatations.iter_mut().zip(&deflections[i]).for_each(add);
+                }
+            }
+            Conjugate { thickness: layers[a].thickness, displacements, dilatations }
+        };
+        let mut carried = vec![Vec::new(); count];
+        let of_layer = |a: usize| {
+            if !is_interlayer[a] {
+                return conjugate(a).strain(compliance(a, a), shear(&layers[a]));
+            }
+            let (mut form, mut rest) = (conjugate(a), compliance(a, a));
+            for ply in [a - 1, a + 1] {
+                let part = compliance(ply, a) / compliance(ply, ply);
+                form.add(&conjugate(ply), -part);
+                rest -= part * compliance(ply, a);
+                carried[ply].push((a, part));
+                // The interlayer on the other side of the ply.
+                let Some(other) = (2 * ply).checked_sub(a).filter(|other| is_interlayer.get(*other) == Some(&true))
+                else {
+                    continue;
+                };
+                let coupling = compliance(a, other) - part * compliance(ply, other);
+                rest += coupling * stresses.layers[other].mean / stresses.layers[a].mean;
+            }
+            form.strain(rest, shear(&layers[a]))
+        };
+        let strains = (0..count).map(of_layer).collect();
+        let means = deflections.iter().map(|layer| layer.iter().map(|shape| shape.mean).collect()).collect();
+        let mut face: Vec<f64> = deflections[0].iter().map(|shape| shape.upper).collect();
+        if is_mirrored(layers) {
+            // Half of the load on each face.
+            face = (0..=count).map(|j| 0.5 * (face[j] - face[count - j])).collect();
+        }
+        Self { shear: strains, layer_deflections: means, face_deflection: face, distributions, carried }
+    }
+
+    /// Stack whose deflection is constant across the thickness, with a constant shear strain in each layer. The layers
+    /// for which `is_rigid` is true do not shear.
+    pub fn thin(stack: &Stack, is_rigid: impl Fn(&Layer) -> bool) -> Self {
+        let layers = stack.layers();
+        let zeros = vec![0.0; layers.len() + 1];
+        let strain = |(i, layer): (usize, &Layer)| {
+            let mut displacements = zeros.clone();
+            (displacements[i], displacements[i + 1]) = (-1.0 / layer.thickness, 1.0 / layer.thickness);
+            ShearStrain {
+                factor: layer.thickness * if is_rigid(layer) { RIGID } else { 1.0 },
+                of_displacements: displacements,
+                of_dilatations: zeros.clone(),
+                thickness: layer.thickness,
+            }
+        };
+        let constant = Parabola { upper: 1.0, mean: 1.0, lower: 1.0 };
+        Self {
+            shear: layers.iter().enumerate().map(strain).collect(),
+            layer_deflections: vec![zeros.clone(); layers.len()],
+            face_deflection: zeros.clone(),
+            distributions: (0..layers.len()).map(|i| vec![(i, constant)]).collect(),
+            carried: vec![Vec::new(); layers.len()],
+        }
+    }
+
+    /// Factors (Pa) of the shear strains of all layers in the shear stress of one layer, at a part (0 to 1) of its
+    /// thickness. `moduli` are the shear moduli of all layers, Pa.
+    pub fn stress(&self, layer: usize, part: f64, moduli: &[f64]) -> Vec<f64> {
+        let mut factors = vec![0.0; self.shear.len()];
+        let mean = |i: usize| self.shear[i].factor * moduli[i] / self.shear[i].thickness;
+        for (of, shape) in &self.distributions[layer] {
+            let value = shape.at(part);
+            factors[*of] += value * mean(*of);
+            self.carried[*of].iter().for_each(|(other, carried)| factors[*other] -= value * carried * mean(*other));
+        }
+        factors
+    }
+}
+
+/// Whether each of some layers with these shear moduli is an interlayer: softer than both neighbours.
+pub fn interlayers(moduli: &[f64]) -> Vec<bool> {
+    let is_softer = |i: usize, other: usize| moduli[i] < moduli[other];
+    let is_between = |i: usize| i > 0 && i + 1 < moduli.len() && is_softer(i, i - 1) && is_softer(i, i + 1);
+    (0..moduli.len()).map(is_between).collect()
+}
+
+/// Linear form of u_j and ∇∇·u_j that is conjugate to the mean stress of a layer, with the factor `thickness` of ∇w.
+struct Conjugate {
+    thickness: f64,
+    displacements: Vec<f64>,
+    dilatations: Vec<f64>,
+}
+
+impl Conjugate {
+    fn add(&mut self, other: &Self, factor: f64) {
+        let add = |(sum, value): (&mut f64, &f64)| *sum += factor * value;
+        self.thickness += factor * other.thickness;
+        self.displacements.iter_mut().zip(&other.displacements).for_each(add);
+        self.dilatations.iter_mut().zip(&other.dilatations).for_each(add);
+    }
+
+    /// Shear strain of a layer with a compliance (m/Pa) and a shear modulus (Pa).
+    fn strain(self, compliance: f64, modulus: f64) -> ShearStrain {
+        let thickness = self.thickness;
+        let over_thickness = |values: Vec<f64>| values.into_iter().map(|value| value / thickness).collect();
+        ShearStrain {
+            factor: thickness * thickness / (compliance * modulus),
+            of_displacements: over_thickness(self.displacements),
+            of_dilatations: over_thickness(self.dilatations),
+            thickness,
+        }
+    }
+}
+
+/// Shear stress of long waves in each layer.
+struct Stresses {
+    layers: Vec<Parabola>,
+}
+
+impl Stresses {
+    fn of_long_waves(stack: &Stack) -> Self {
+        let section = Section::new(stack);
+        let mut upper_face = 0.0;
+        let of_layer = |layer: &Layer| {
+            let at = |part: f64| section.shear(stack, upper_face + part * layer.thickness);
+            let [upper, middle, lower] = [0.0, 0.5, 1.0].map(at);
+            upper_face += layer.thickness;
+            // Simpson's rule, exact for a quadratic function.
+            Parabola { upper, mean: (upper + 4.0 * middle + lower) / 6.0, lower }
+        };
+        Self { layers: stack.layers().iter().map(of_layer).collect() }
+    }
+
+    /// Shear stress in each layer for unit mean stresses: that of the layer itself, and those of interlayers on its
+    /// faces.
+    fn distributions(&self, is_interlayer: &[bool]) -> Vec<Vec<(usize, Parabola)>> {
+        let of_layer = |i: usize| {
+            let Parabola { upper, mean, lower } = self.layers[i];
+            let mut own = Parabola { upper: upper / mean, mean: 1.0, lower: lower / mean };
+            let mut parts = Vec::new();
+            if i > 0 && is_interlayer[i - 1] {
+                own.upper = 0.0;
+                parts.push((i - 1, Parabola { upper: upper / self.layers[i - 1].mean, ..Parabola::default() }));
+            }
+            if is_interlayer.get(i + 1) == Some(&true) {
+                own.lower = 0.0;
+                parts.push((i + 1, Parabola { lower: lower / self.layers[i + 1].mean, ..Parabola::default() }));
+            }
+            parts.push((i, own));
+            parts
+        };
+        (0..self.layers.len()).map(of_layer).collect()
+    }
+}
+
+/// r_j across each layer, for all faces and interfaces j.
+fn deflections(stack: &Stack) -> Vec<Vec<Parabola>> {
+    let count = stack.layers().len();
+    let mut upper = vec![0.0; count + 1];
+    let mut all: Vec<Vec<Parabola>> = Vec::with_capacity(count);
+    for (i, layer) in stack.layers().iter().enumerate() {
+        let thinning = layer.poisson / (1.0 - layer.poisson) * layer.thickness;
+        let mut of_faces: Vec<Parabola> =
+            upper.iter().map(|value| Parabola { upper: *value, mean: *value, lower: *value }).collect();
+        // ∇·u is linear from the upper to the lower face.
+        of_faces[i].mean -= thinning / 3.0;
+        of_faces[i + 1].mean -= thinning / 6.0;
+        of_faces[i].lower -= thinning / 2.0;
+        of_faces[i + 1].lower -= thinning / 2.0;
+        upper = of_faces.iter().map(|shape| shape.lower).collect();
+        all.push(of_faces);
+    }
+    for j in 0..=count {
+        let of_layer = |(layers, layer): (&Vec<Parabola>, &Layer)| layers[j].mean * layer.thickness;
+        let mean = all.iter().zip(stack.layers()).map(of_layer).sum::<f64>() / stack.thickness();
+        for shape in all.iter_mut().map(|layers| &mut layers[j]) {
+            (shape.upper, shape.mean, shape.lower) = (shape.upper - mean, shape.mean - mean, shape.lower - mean);
+        }
+    }
+    all
+}
+
+/// Whether the layers are mirror-symmetric, up to rounding of their thicknesses.
+fn is_mirrored(layers: &[Layer]) -> bool {
+    let is_alike = |(one, other): (&Layer, &Layer)| {
+        let is_as_thick = (one.thickness / other.thickness - 1.0).abs() < 1e-9;
+        is_as_thick && (one.young, one.poisson) == (other.young, other.poisson)
+    };
+    layers.iter().zip(layers.iter().rev()).all(is_alike)
+}
+
+fn shear(layer: &Layer) -> f64 {
+    0.5 * layer.young / (1.0 + layer.poisson)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stack(layers: &[(f64, f64, f64)]) -> Stack {
+        let layer = |&(thickness, young, poisson): &(f64, f64, f64)| Layer { thickness, young, poisson };
+        Stack::new(&layers.iter().map(layer).collect::<Vec<_>>()).expect("elastic layers")
+    }
+
+    /// One layer has κ = 5/6, a parabola of shear stress, and the deflection weighted by it: w + ν h²/(60 (1 − ν)) ∇·θ.
+    #[test]
+    fn one_layer() {
+        let (h, young, poisson) = (0.02, 70e9, 0.23);
+        let Transverse { shear, face_deflection, .. } = &Transverse::new(&stack(&[(h, young, poisson)]));
+        let ShearStrain { factor, of_displacements, of_dilatations, .. } = &shear[0];
+        let thinning = poisson / (1.0 - poisson);
+        // Products with u = zθ at both faces.
+        let along = |of_faces: &[f64]| 0.5 * h * (of_faces[1] - of_faces[0]);
+        let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-12, "{found} {exact}");
+        near(*factor, 5.0 / 6.0 * h);
+        near(along(of_displacements), 1.0);
+        near(along(of_dilatations), thinning * h * h / 60.0);
+        // The reading of Mindlin's plate, −ν/(12 (1 − ν)) h².
+        near(along(face_deflection), -thinning * h * h / 12.0);
+        let modulus = 0.5 * young / (1.0 + poisson);
+        for part in [0.25, 0.5, 0.9] {
+            let stress = Transverse::new(&stack(&[(h, young, poisson)])).stress(0, part, &[modulus]);
+            near(stress[0], 6.0 * part * (1.0 - part) * 5.0 / 6.0 * modulus);
+        }
+    }
+
+    /// The shear stress is continuous and zero on the faces, for any shear strains, if interlayers are thin.
+    #[test]
+    fn stresses_are_continuous() {
+        let layers =
+            [(0.006, 70e9, 0.23), (0.00076, 3e7, 0.49), (0.01, 70e9, 0.23), (0.0004, 3e8, 0.47), (0.004, 70e9, 0.2)];
+        let stack = stack(&layers);
+        let transverse = Transverse::new(&stack);
+        let moduli: Vec<f64> = stack.layers().iter().map(shear).collect();
+        let at = |layer: usize, part: f64| transverse.stress(layer, part, &moduli);
+        let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let size = largest(&at(2, 0.5));
+        assert!(largest(&at(0, 0.0)) < 1e-12 * size && largest(&at(4, 1.0)) < 1e-12 * size);
+        for upper in 0..4 {
+            let jump: Vec<f64> =
+                at(upper, 1.0).iter().zip(at(upper + 1, 0.0)).map(|(one, other)| one - other).collect();
+            assert!(largest(&jump) < 1e-12 * size, "{upper}: {jump:?}");
+        }
+    }
+
+    /// The factors in a shear strain of u_j = z_j and of w = −r: in a rotation of the whole stack no layer shears.
+    #[test]
+    fn rotations_cause_no_shear() {
+        let stack = stack(&[(0.01, 70e9, 0.23), (0.00076, 3e7, 0.49), (0.004, 70e9, 0.23), (0.003, 3e9, 0.38)]);
+        let depths = [0.0, 0.01, 0.01076, 0.01476, 0.01776];
+        for ShearStrain { of_displacements, of_dilatations, .. } in Transverse::new(&stack).shear {
+            let strain: f64 = of_displacements.iter().zip(depths).map(|(factor, depth)| factor * depth).sum();
+            assert!((strain - 1.0).abs() < 1e-12, "{strain}");
+            assert!(
+                of_displacements.iter().sum::<f64>().abs() < 1e-9 && of_dilatations.iter().sum::<f64>().is_finite()
+            );
+        }
+    }
+}
