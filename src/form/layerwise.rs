@@ -187,12 +187,10 @@ impl Profile {
             forms.extend(self.products(|pair| 2.0 * twist(pair), |k| vec![rotation(k, axis, along)]));
         }
         forms.extend(self.products(twist, |k| vec![rotation(k, 0, [0, 1]), rotation(k, 1, [1, 0])]));
-        // Layers of one group have the same shear strain.
-        for group in &self.groups {
-            let shear: f64 = group.iter().map(|&layer| transverse.shear[layer].factor * moduli[layer].shear).sum();
-            for axis in (0..2).filter(|_| shear != 0.0) {
-                let parts = self.shear_strain(&transverse.shear[group[0]], axis);
-                forms.push(Square { factor: shear, parts, place: AREA });
+        for (strain, moduli) in transverse.shear.iter().zip(moduli) {
+            let factor = strain.factor * moduli.shear;
+            for axis in (0..2).filter(|_| factor != 0.0) {
+                forms.push(Square { factor, parts: self.shear_strain(strain, axis), place: AREA });
             }
         }
         forms

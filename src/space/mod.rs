@@ -10,6 +10,7 @@ pub mod evaluate;
 pub mod finite_element;
 mod grading;
 mod grid;
+mod loaded_face;
 mod parity;
 pub mod plate;
 pub mod spline;

@@ -48,8 +48,7 @@ fn energies(layers: &[(Layer, f64)], wavenumber: f64) -> [DMatrix<f64>; 2] {
     let rule: Vec<(f64, f64, [Shape; DEGREE + 1])> =
         gauss_legendre(DEGREE + 1).into_iter().map(|(s, weight)| (s, weight, shapes(s))).collect();
     for (number, (layer, density)) in layers.iter().enumerate() {
-        let Layer { thickness, young, poisson } = *layer;
-        let shear = 0.5 * young / (1.0 + poisson);
+        let (Layer { thickness, poisson, .. }, shear) = (*layer, layer.shear());
         let lambda = 2.0 * shear * poisson / (1.0 - 2.0 * poisson);
         let across = lambda + 2.0 * shear;
         let half = 0.5 * thickness;

@@ -52,6 +52,13 @@ pub struct Layer {
     pub poisson: f64,
 }
 
+impl Layer {
+    /// Shear modulus μ, Pa.
+    pub fn shear(&self) -> f64 {
+        0.5 * self.young / (1.0 + self.poisson)
+    }
+}
+
 /// Bonded layers of infinite extent, from the loaded face down; the lower face is free.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stack {

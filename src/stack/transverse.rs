@@ -6,23 +6,25 @@
 //! **Deflection.** In bending σ_zz is small, so ε_zz = −ν/(1 − ν) ∇·u. The deflection is quadratic across each layer:
 //! w(z) = w + Σ r_j(z) ∇·u_j, where each r_j has the mean 0.
 //!
-//! **Shear stress.** It is zero on the faces, continuous, and quadratic across each layer. A layer that is softer in
-//! shear than both neighbours is an *interlayer*, every other layer is a *ply*. The mean stress τ_i of each layer is
-//! unknown. At a face between a ply and an interlayer the stress is that of the interlayer. At all faces, the ratio of
-//! the stress to the mean stress of the layer that determines it is the ratio in long waves ([`Section::shear`]).
+//! **Shear stress.** It is zero on the faces and quadratic across each layer. The mean stress τ_i of each layer is unknown.
+//! At an interface the softer of the two layers determines the stress: its ratio to the mean stress of that layer is the
+//! ratio in long waves ([`Section::shear`]). Between layers of equal shear modulus it is the ratio to each layer's own
+//! mean stress.
 //!
 //! In Reissner's mixed principle (E. Reissner, On a certain mixed variational theorem and a proposed application, Int.
 //! J. Numer. Methods Eng. 20, 1984), the shear energy is the stationary value of
 //!
 //! ∫ τ (∂u/∂z + ∇w(z)) dz − ½ ∫ τ²/μ dz.
 //!
-//! The first integral is Σ τ_i h_i γ_i with linear forms γ_i of u, ∇w and ∇∇·u. The second one couples the stress of a
-//! ply to those of its interlayers, and is diagonal after it is completed to squares: the shear of a ply near an
-//! interlayer then belongs to the strain of the interlayer. Two interlayers of one ply remain coupled by a small term,
-//! whose value in long waves is added to their squares. The energy is a sum of one square for each layer.
+//! It is τᵀy − ½ τᵀAτ with linear forms y of u, ∇w and ∇∇·u, and the stationary value is ½ yᵀA⁻¹y. With A = L D Lᵀ it is a
+//! sum of one square for each layer, of the form (L⁻¹y)_i. Stiffer layers come first: the stress of a ply is expressed by
+//! its own shear strain and the stresses of its interlayers, so that a part of its shear belongs to the strain of the
+//! interlayer. Their squares do not depend on the moduli of softer layers.
 //!
 //! For one layer, w(z) weighted by the parabola of the shear stress is w + ν h²/(60 (1 − ν)) ∇·θ, and κ = 5/6. In long
 //! waves this is Mindlin's plate with κ = 5/(6 − ν).
+
+use nalgebra::DMatrix;
 
 use super::{Layer, Section, Stack};
 
@@ -41,8 +43,8 @@ pub struct Transverse {
     pub face_deflection: Vec<f64>,
     /// Shear stress in each layer, as distributions of the mean stresses of some layers.
     distributions: Vec<Vec<(usize, Parabola)>>,
-    /// For each layer: other layers with factors of their mean stresses, which are subtracted from its own.
-    carried: Vec<Vec<(usize, f64)>>,
+    /// L⁻ᵀ, which gives the mean stresses from D⁻¹ L⁻¹ y.
+    means: DMatrix<f64>,
 }
 
 /// Shear strain ∇w + Σ a_j u_j + Σ b_j ∇∇·u_j of a layer, over all faces and interfaces j. Twice the shear energy per
@@ -55,7 +57,7 @@ pub struct ShearStrain {
     pub of_displacements: Vec<f64>,
     /// Factors b_j, m.
     pub of_dilatations: Vec<f64>,
-    /// Thickness to which the strain belongs, m: the thickness of the layer and, for an interlayer, parts of its plies.
+    /// Thickness to which the strain belongs, m: the thickness of the layer and parts of the thicknesses of stiffer ones.
     thickness: f64,
 }
 
@@ -93,63 +95,51 @@ impl Transverse {
     pub fn new(stack: &Stack) -> Self {
         let layers = stack.layers();
         let count = layers.len();
-        let stresses = Stresses::of_long_waves(stack);
-        let is_interlayer = interlayers(&layers.iter().map(shear).collect::<Vec<_>>());
-        let distributions = stresses.distributions(&is_interlayer);
+        let moduli: Vec<f64> = layers.iter().map(Layer::shear).collect();
+        let distributions = distributions(&long_waves(stack), &moduli);
         let deflections = deflections(stack);
-        // h/μ times the mean product of the distributions of two mean stresses, summed over the layers.
-        let compliance = |a: usize, b: usize| -> f64 {
-            let of_layer = |(parts, layer): (&Vec<(usize, Parabola)>, &Layer)| {
-                let find = |number: usize| parts.iter().find(|(of, _)| *of == number).map(|(_, shape)| shape);
-                let product = find(a).zip(find(b)).map_or(0.0, |(one, other)| one.mean_of_product(other));
-                layer.thickness / shear(layer) * product
-            };
-            distributions.iter().zip(layers).map(of_layer).sum()
-        };
-        // ∫ τ (∂u/∂z + ∇w(z)) dz for a unit mean stress of a layer.
-        let conjugate = |a: usize| {
-            let mut displacements = vec![0.0; count + 1];
-            (displacements[a], displacements[a + 1]) = (-1.0, 1.0);
-            let mut dilatations = vec![0.0; count + 1];
-            for (i, parts) in distributions.iter().enumerate() {
-                for (_, shape) in parts.iter().filter(|(of, _)| *of == a) {
-                    let add = |(sum, of_face): (&mut f64, &Parabola)| {
-                        *sum += layers[i].thickness * shape.mean_of_product(of_face);
-                    };
-                    dilatations.iter_mut().zip(&deflections[i]).for_each(add);
+        // A, and the forms y as their factors of ∇w (m), u_j and ∇∇·u_j (m²).
+        let mut compliance = DMatrix::zeros(count, count);
+        let mut forms = DMatrix::zeros(count, 2 * count + 3);
+        for (i, parts) in distributions.iter().enumerate() {
+            let thickness = layers[i].thickness;
+            for (a, one) in parts {
+                for (b, other) in parts {
+                    compliance[(*a, *b)] += thickness / moduli[i] * one.mean_of_product(other);
+                }
+                for (j, of_face) in deflections[i].iter().enumerate() {
+                    forms[(*a, count + 2 + j)] += thickness * one.mean_of_product(of_face);
                 }
             }
-            Conjugate { thickness: layers[a].thickness, displacements, dilatations }
-        };
-        let mut carried = vec![Vec::new(); count];
-        let of_layer = |a: usize| {
-            if !is_interlayer[a] {
-                return conjugate(a).strain(compliance(a, a), shear(&layers[a]));
+            forms[(i, 0)] = thickness;
+            (forms[(i, 1 + i)], forms[(i, 2 + i)]) = (-1.0, 1.0);
+        }
+        let (inverse, pivots) = eliminated(compliance, &moduli);
+        let forms = &inverse * forms;
+        let strain = |i: usize| {
+            let thickness = forms[(i, 0)];
+            let over_thickness =
+                |first: usize| (first..=first + count).map(|column| forms[(i, column)] / thickness).collect();
+            ShearStrain {
+                factor: thickness * thickness / (pivots[i] * moduli[i]),
+                of_displacements: over_thickness(1),
+                of_dilatations: over_thickness(count + 2),
+                thickness,
             }
-            let (mut form, mut rest) = (conjugate(a), compliance(a, a));
-            for ply in [a - 1, a + 1] {
-                let part = compliance(ply, a) / compliance(ply, ply);
-                form.add(&conjugate(ply), -part);
-                rest -= part * compliance(ply, a);
-                carried[ply].push((a, part));
-                // The interlayer on the other side of the ply.
-                let Some(other) = (2 * ply).checked_sub(a).filter(|other| is_interlayer.get(*other) == Some(&true))
-                else {
-                    continue;
-                };
-                let coupling = compliance(a, other) - part * compliance(ply, other);
-                rest += coupling * stresses.layers[other].mean / stresses.layers[a].mean;
-            }
-            form.strain(rest, shear(&layers[a]))
         };
-        let strains = (0..count).map(of_layer).collect();
         let means = deflections.iter().map(|layer| layer.iter().map(|shape| shape.mean).collect()).collect();
         let mut face: Vec<f64> = deflections[0].iter().map(|shape| shape.upper).collect();
         if is_mirrored(layers) {
             // Half of the load on each face.
             face = (0..=count).map(|j| 0.5 * (face[j] - face[count - j])).collect();
         }
-        Self { shear: strains, layer_deflections: means, face_deflection: face, distributions, carried }
+        Self {
+            shear: (0..count).map(strain).collect(),
+            layer_deflections: means,
+            face_deflection: face,
+            distributions,
+            means: inverse.transpose(),
+        }
     }
 
     /// Stack whose deflection is constant across the thickness, with a constant shear strain in each layer. The layers
@@ -173,22 +163,39 @@ impl Transverse {
             layer_deflections: vec![zeros.clone(); layers.len()],
             face_deflection: zeros.clone(),
             distributions: (0..layers.len()).map(|i| vec![(i, constant)]).collect(),
-            carried: vec![Vec::new(); layers.len()],
+            means: DMatrix::identity(layers.len(), layers.len()),
         }
     }
 
     /// Factors (Pa) of the shear strains of all layers in the shear stress of one layer, at a part (0 to 1) of its
     /// thickness. `moduli` are the shear moduli of all layers, Pa.
     pub fn stress(&self, layer: usize, part: f64, moduli: &[f64]) -> Vec<f64> {
-        let mut factors = vec![0.0; self.shear.len()];
-        let mean = |i: usize| self.shear[i].factor * moduli[i] / self.shear[i].thickness;
-        for (of, shape) in &self.distributions[layer] {
-            let value = shape.at(part);
-            factors[*of] += value * mean(*of);
-            self.carried[*of].iter().for_each(|(other, carried)| factors[*other] -= value * carried * mean(*other));
-        }
-        factors
+        let of_strain = |(i, strain): (usize, &ShearStrain)| {
+            let of_mean = |(of, shape): &(usize, Parabola)| shape.at(part) * self.means[(*of, i)];
+            let sum: f64 = self.distributions[layer].iter().map(of_mean).sum();
+            sum * strain.factor * moduli[i] / strain.thickness
+        };
+        self.shear.iter().enumerate().map(of_strain).collect()
     }
+}
+
+/// L⁻¹ and the diagonal of D with A = L D Lᵀ up to the order of the rows: layers with larger shear moduli are eliminated
+/// first.
+fn eliminated(mut compliance: DMatrix<f64>, moduli: &[f64]) -> (DMatrix<f64>, Vec<f64>) {
+    let count = moduli.len();
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| moduli[*b].total_cmp(&moduli[*a]));
+    let mut inverse = DMatrix::identity(count, count);
+    for (number, &pivot) in order.iter().enumerate() {
+        for &row in &order[number + 1..] {
+            let factor = compliance[(row, pivot)] / compliance[(pivot, pivot)];
+            for column in 0..count {
+                compliance[(row, column)] -= factor * compliance[(pivot, column)];
+                inverse[(row, column)] -= factor * inverse[(pivot, column)];
+            }
+        }
+    }
+    (inverse, compliance.diagonal().iter().copied().collect())
 }
 
 /// Whether each of some layers with these shear moduli is an interlayer: softer than both neighbours.
@@ -198,73 +205,39 @@ pub fn interlayers(moduli: &[f64]) -> Vec<bool> {
     (0..moduli.len()).map(is_between).collect()
 }
 
-/// Linear form of u_j and ∇∇·u_j that is conjugate to the mean stress of a layer, with the factor `thickness` of ∇w.
-struct Conjugate {
-    thickness: f64,
-    displacements: Vec<f64>,
-    dilatations: Vec<f64>,
-}
-
-impl Conjugate {
-    fn add(&mut self, other: &Self, factor: f64) {
-        let add = |(sum, value): (&mut f64, &f64)| *sum += factor * value;
-        self.thickness += factor * other.thickness;
-        self.displacements.iter_mut().zip(&other.displacements).for_each(add);
-        self.dilatations.iter_mut().zip(&other.dilatations).for_each(add);
-    }
-
-    /// Shear strain of a layer with a compliance (m/Pa) and a shear modulus (Pa).
-    fn strain(self, compliance: f64, modulus: f64) -> ShearStrain {
-        let thickness = self.thickness;
-        let over_thickness = |values: Vec<f64>| values.into_iter().map(|value| value / thickness).collect();
-        ShearStrain {
-            factor: thickness * thickness / (compliance * modulus),
-            of_displacements: over_thickness(self.displacements),
-            of_dilatations: over_thickness(self.dilatations),
-            thickness,
-        }
-    }
-}
-
 /// Shear stress of long waves in each layer.
-struct Stresses {
-    layers: Vec<Parabola>,
+fn long_waves(stack: &Stack) -> Vec<Parabola> {
+    let section = Section::new(stack);
+    let mut upper_face = 0.0;
+    let of_layer = |layer: &Layer| {
+        let at = |part: f64| section.shear(stack, upper_face + part * layer.thickness);
+        let [upper, middle, lower] = [0.0, 0.5, 1.0].map(at);
+        upper_face += layer.thickness;
+        // Simpson's rule, exact for a quadratic function.
+        Parabola { upper, mean: (upper + 4.0 * middle + lower) / 6.0, lower }
+    };
+    stack.layers().iter().map(of_layer).collect()
 }
 
-impl Stresses {
-    fn of_long_waves(stack: &Stack) -> Self {
-        let section = Section::new(stack);
-        let mut upper_face = 0.0;
-        let of_layer = |layer: &Layer| {
-            let at = |part: f64| section.shear(stack, upper_face + part * layer.thickness);
-            let [upper, middle, lower] = [0.0, 0.5, 1.0].map(at);
-            upper_face += layer.thickness;
-            // Simpson's rule, exact for a quadratic function.
-            Parabola { upper, mean: (upper + 4.0 * middle + lower) / 6.0, lower }
-        };
-        Self { layers: stack.layers().iter().map(of_layer).collect() }
-    }
-
-    /// Shear stress in each layer for unit mean stresses: that of the layer itself, and those of interlayers on its
-    /// faces.
-    fn distributions(&self, is_interlayer: &[bool]) -> Vec<Vec<(usize, Parabola)>> {
-        let of_layer = |i: usize| {
-            let Parabola { upper, mean, lower } = self.layers[i];
-            let mut own = Parabola { upper: upper / mean, mean: 1.0, lower: lower / mean };
-            let mut parts = Vec::new();
-            if i > 0 && is_interlayer[i - 1] {
-                own.upper = 0.0;
-                parts.push((i - 1, Parabola { upper: upper / self.layers[i - 1].mean, ..Parabola::default() }));
-            }
-            if is_interlayer.get(i + 1) == Some(&true) {
-                own.lower = 0.0;
-                parts.push((i + 1, Parabola { lower: lower / self.layers[i + 1].mean, ..Parabola::default() }));
-            }
-            parts.push((i, own));
-            parts
-        };
-        (0..self.layers.len()).map(of_layer).collect()
-    }
+/// Shear stress in each layer for unit mean stresses: that of the layer itself, and those of softer neighbours.
+fn distributions(stresses: &[Parabola], moduli: &[f64]) -> Vec<Vec<(usize, Parabola)>> {
+    let of_layer = |i: usize| {
+        let Parabola { upper, mean, lower } = stresses[i];
+        let is_softer = |other: usize| moduli.get(other).is_some_and(|modulus| *modulus < moduli[i]);
+        let mut own = Parabola { upper: upper / mean, mean: 1.0, lower: lower / mean };
+        let mut parts = Vec::new();
+        if let Some(above) = i.checked_sub(1).filter(|above| is_softer(*above)) {
+            own.upper = 0.0;
+            parts.push((above, Parabola { upper: upper / stresses[above].mean, ..Parabola::default() }));
+        }
+        if is_softer(i + 1) {
+            own.lower = 0.0;
+            parts.push((i + 1, Parabola { lower: lower / stresses[i + 1].mean, ..Parabola::default() }));
+        }
+        parts.push((i, own));
+        parts
+    };
+    (0..stresses.len()).map(of_layer).collect()
 }
 
 /// r_j across each layer, for all faces and interfaces j.
@@ -303,10 +276,6 @@ fn is_mirrored(layers: &[Layer]) -> bool {
     layers.iter().zip(layers.iter().rev()).all(is_alike)
 }
 
-fn shear(layer: &Layer) -> f64 {
-    0.5 * layer.young / (1.0 + layer.poisson)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -331,21 +300,21 @@ mod tests {
         near(along(of_dilatations), thinning * h * h / 60.0);
         // The reading of Mindlin's plate, −ν/(12 (1 − ν)) h².
         near(along(face_deflection), -thinning * h * h / 12.0);
-        let modulus = 0.5 * young / (1.0 + poisson);
+        let modulus = Layer { thickness: h, young, poisson }.shear();
         for part in [0.25, 0.5, 0.9] {
             let stress = Transverse::new(&stack(&[(h, young, poisson)])).stress(0, part, &[modulus]);
             near(stress[0], 6.0 * part * (1.0 - part) * 5.0 / 6.0 * modulus);
         }
     }
 
-    /// The shear stress is continuous and zero on the faces, for any shear strains, if interlayers are thin.
+    /// The shear stress is zero on the faces, and continuous between layers of different moduli, for any shear strains.
     #[test]
     fn stresses_are_continuous() {
         let layers =
             [(0.006, 70e9, 0.23), (0.00076, 3e7, 0.49), (0.01, 70e9, 0.23), (0.0004, 3e8, 0.47), (0.004, 70e9, 0.2)];
         let stack = stack(&layers);
         let transverse = Transverse::new(&stack);
-        let moduli: Vec<f64> = stack.layers().iter().map(shear).collect();
+        let moduli: Vec<f64> = stack.layers().iter().map(Layer::shear).collect();
         let at = |layer: usize, part: f64| transverse.stress(layer, part, &moduli);
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let size = largest(&at(2, 0.5));
@@ -362,12 +331,28 @@ mod tests {
     fn rotations_cause_no_shear() {
         let stack = stack(&[(0.01, 70e9, 0.23), (0.00076, 3e7, 0.49), (0.004, 70e9, 0.23), (0.003, 3e9, 0.38)]);
         let depths = [0.0, 0.01, 0.01076, 0.01476, 0.01776];
-        for ShearStrain { of_displacements, of_dilatations, .. } in Transverse::new(&stack).shear {
+        for ShearStrain { of_displacements, .. } in Transverse::new(&stack).shear {
             let strain: f64 = of_displacements.iter().zip(depths).map(|(factor, depth)| factor * depth).sum();
             assert!((strain - 1.0).abs() < 1e-12, "{strain}");
             assert!(
                 of_displacements.iter().sum::<f64>().abs() < 1e-9 && of_dilatations.iter().sum::<f64>().is_finite()
             );
+        }
+    }
+
+    /// The energy is positive for a thin front ply on stiff glue, where the two interlayers of the second ply have very
+    /// different stresses.
+    #[test]
+    fn thin_front_plies_have_a_positive_energy() {
+        let glue = (2e-5, 3.5e9, 0.3);
+        for front in [0.003, 0.001, 0.0003] {
+            let glass = |thickness: f64| (thickness, 70e9, 0.23);
+            let stack = stack(&[glass(front), glue, glass(0.01), glue, glass(0.01)]);
+            for (strain, layer) in Transverse::new(&stack).shear.iter().zip(stack.layers()) {
+                let ShearStrain { factor, thickness, .. } = strain;
+                // A uniform stress has the factor 1, the parabola 5/6; stiff plies add to the compliance.
+                assert!(*factor > 0.1 * layer.thickness && *thickness > 0.99 * layer.thickness, "{front}: {strain:?}");
+            }
         }
     }
 }

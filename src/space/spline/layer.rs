@@ -8,6 +8,7 @@
 use std::f64::consts::PI;
 
 use crate::form::Spread;
+use crate::space::loaded_face::LoadedFace;
 use crate::space::plate::layer::{END, HALF_SPACE, flexibility, integrate, squeezed};
 use crate::stack::Stack;
 
@@ -19,9 +20,6 @@ pub(super) fn beyond_half_space(spread: &Spread, poisson: f64, disc: f64) -> f64
     (1.0 - poisson * poisson) / (2.0 * PI) * integrate(0.0, HALF_SPACE, panel, value)
 }
 
-/// Value of ξh, h the thickness of the impacted layer, above which a stack responds like a half-space of that layer.
-const STACK_IS_HALF_SPACE: f64 = 22.0;
-
 /// Value of ξH, H the thickness of the stack, below which the integrand of a stack is negligible: it is proportional to
 /// ξ³.
 const LONGEST_WAVE: f64 = 1e-2;
@@ -30,20 +28,9 @@ const LONGEST_WAVE: f64 = 1e-2;
 /// the impacted layer is thick, a single layer is nearly a half-space. A layer on a soft interlayer bends under the disc
 /// as well.
 pub(super) fn stack_beyond_half_space(stack: &Stack, spread: &Spread, disc: f64) -> f64 {
-    let struck = stack.layers()[0];
-    let half_space = |xi: f64| 2.0 * (1.0 - struck.poisson.powi(2)) / (struck.young * xi);
-    let value =
-        |xi: f64| (stack.wave(xi).response(stack, 0.0).u_z - half_space(xi)) * spread.over_waves(xi * disc) * xi;
-    let panel = (0.5 * PI / disc).min(1.0 / struck.thickness);
-    let (mut from, end) = (LONGEST_WAVE / stack.thickness(), STACK_IS_HALF_SPACE / struck.thickness);
-    let mut sum = 0.0;
-    // A soft layer begins to slide far below ξ = 1/H.
-    while from < end {
-        let to = (2.0 * from).min(from + 10.0 * panel).min(end);
-        sum += integrate(from, to, panel, value);
-        from = to;
-    }
-    sum / (2.0 * PI)
+    let face = LoadedFace::new(stack, disc);
+    let value = |xi: f64| face.beyond_half_space(xi) * spread.over_waves(xi * disc) * xi;
+    face.integrate(LONGEST_WAVE / stack.thickness(), face.half_space_from(), value) / (2.0 * PI)
 }
 
 /// E h/(2π) ∫ Γ_s P² ξ dξ: compliance due to squeezing alone (the second part of Γ) under the spread pressure.

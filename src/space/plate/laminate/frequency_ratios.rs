@@ -31,7 +31,9 @@ impl FrequencyRatios {
         let waves = LayerwiseWaves::new(laminate, geometry, &[], 0.0);
         let at = |x: f64| {
             let wavenumber = x / stack.thickness();
-            let frequency = waves.at(wavenumber).first()?.frequency;
+            // The wave that the force excites most bends the stack. In a soft coat others may be slower.
+            let frequency =
+                waves.at(wavenumber).into_iter().max_by(|a, b| a.of_force.total_cmp(&b.of_force))?.frequency;
             let ratio = flexural_frequency(&layers, wavenumber, frequency) / frequency;
             (ratio.is_finite() && frequency > 0.0).then_some(FrequencyRatio { frequency, ratio })
         };

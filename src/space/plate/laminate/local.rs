@@ -10,19 +10,16 @@
 //!
 //! where P is the transform of the pressure on the plate.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use crate::form::Spread;
-use crate::space::plate::layer::{END, integrate};
-use crate::stack::{Layerwise, Stack};
+use crate::space::loaded_face::LoadedFace;
+use crate::space::plate::layer::END;
+use crate::stack::Layerwise;
 
 /// Upper limit of ξH for the smallest wavenumber ξ of the integral, where H is the thickness of the stack. ξ is
 /// otherwise the wavenumber π/edge of the longest wave on the plate.
 const LONGEST_WAVE: f64 = 0.05;
-
-/// Value of ξh, h the thickness of the impacted layer, above which Γ is set to H. The difference is proportional to
-/// (ξh)² e^{−2ξh}.
-const HALF_SPACE: f64 = 22.0;
 
 /// Value of ξR above which the plate's part of the integral is integrated separately.
 const APART: f64 = 3.0;
@@ -34,42 +31,26 @@ const APART: f64 = 3.0;
 pub(super) fn compliance(theory: &Layerwise, (spread, radius): (&Spread, f64), edge: f64) -> f64 {
     let stack = theory.stack();
     let longest = (PI / edge).min(LONGEST_WAVE / stack.thickness());
-    let struck = stack.layers()[0];
-    let half_space = |xi: f64| 2.0 * (1.0 - struck.poisson.powi(2)) / (struck.young * xi);
+    let face = LoadedFace::new(stack, radius);
     let plate = |xi: f64| theory.face_deflection(&theory.wave(xi));
     let together = |xi: f64| {
-        let (exact, plate) = (loaded_face(stack, xi), plate(xi));
-        (exact - plate - half_space(xi) - plate * spread.over_waves(xi * radius)) * xi
+        let plate = plate(xi);
+        (face.beyond_half_space(xi) - plate - plate * spread.over_waves(xi * radius)) * xi
     };
-    let panel = (FRAC_PI_2 / radius).min(1.0 / struck.thickness);
     let apart = (APART / radius).max(longest);
     // H ξ is constant.
-    let (mut sum, mut from) = (-half_space(longest) * longest * longest, longest);
-    // The panels grow with the wavenumber, since a soft layer begins to slide far below ξ = 1/H, H being the thickness
-    // of the stack.
-    while from < apart {
-        let to = (2.0 * from).min(from + 10.0 * panel).min(apart);
-        sum += integrate(from, to, panel, together);
-        from = to;
-    }
-    let end = HALF_SPACE / struck.thickness;
-    if end > apart {
-        sum += integrate(apart, end, panel, |xi| (loaded_face(stack, xi) - half_space(xi)) * xi);
-    }
-    sum -= integrate(apart, END / radius, panel, |xi| plate(xi) * spread.square(xi * radius) * xi);
+    let mut sum = -face.half_space(longest) * longest * longest;
+    sum += face.integrate(longest, apart, together);
+    sum += face.integrate(apart, face.half_space_from(), |xi| face.beyond_half_space(xi) * xi);
+    sum -= face.integrate(apart, END / radius, |xi| plate(xi) * spread.square(xi * radius) * xi);
     sum / (2.0 * PI)
-}
-
-/// Response Γ of the loaded face, m/Pa.
-fn loaded_face(stack: &Stack, wavenumber: f64) -> f64 {
-    stack.wave(wavenumber).response(stack, 0.0).u_z
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::space::plate::layer::Layer as Single;
-    use crate::stack::Layer;
+    use crate::stack::{Layer, Stack};
 
     fn theory(layers: &[(f64, f64, f64)]) -> Layerwise {
         let layers: Vec<Layer> =

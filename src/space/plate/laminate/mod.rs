@@ -170,13 +170,18 @@ impl Laminate {
         self.parts[layer].material.instantaneous
     }
 
-    /// Transverse shear stress along an axis at a height, as derivatives of fields with their factors. Viscoelastic
-    /// layers have their instantaneous moduli.
+    /// Transverse shear stress along an axis at a height, as derivatives of fields with their factors. As for all
+    /// stresses, a viscoelastic layer has its instantaneous moduli. An elastic one bears the stress of its viscoelastic
+    /// neighbours at the contact time.
     pub(super) fn shear_stress(&self, axis: usize, height: f64) -> Vec<(f64, Derivative<2>)> {
         let layer = self.profile.layer_at(height);
         let ends = &self.profile.heights[layer..layer + 2];
         let part = ((height - ends[0]) / (ends[1] - ends[0])).clamp(0.0, 1.0);
-        let moduli: Vec<f64> = self.parts.iter().map(|part| part.material.instantaneous.lame().mu).collect();
+        let instantaneous = |part: &Part| part.material.instantaneous.lame().mu;
+        let moduli: Vec<f64> = match &self.parts[layer].given {
+            Some(_) => self.parts.iter().map(instantaneous).collect(),
+            None => self.theory.stack().layers().iter().map(stack::Layer::shear).collect(),
+        };
         let transverse = self.theory.transverse();
         let strains = transverse.stress(layer, part, &moduli).into_iter().zip(&transverse.shear);
         let of_strain = |(factor, strain): (f64, &stack::ShearStrain)| {

@@ -1,0 +1,55 @@
+//! Loaded face of a stack of layers, compared with a half-space of the impacted layer, and integrals over its waves.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::plate::layer::integrate;
+use crate::stack::Stack;
+
+/// Value of ξh, h the thickness of the impacted layer, above which a stack responds like the half-space. The difference
+/// is proportional to (ξh)² e^{−2ξh}.
+const HALF_SPACE: f64 = 22.0;
+
+/// Largest number of panels that are integrated as one interval.
+const MOST_PANELS: f64 = 10.0;
+
+/// Loaded face of a stack under a pressure on a disc.
+pub(super) struct LoadedFace<'a> {
+    stack: &'a Stack,
+    /// Width of the panels of integrals over wavenumbers, 1/m.
+    panel: f64,
+}
+
+impl<'a> LoadedFace<'a> {
+    /// Face of a stack under a pressure on a disc of a radius (m).
+    pub fn new(stack: &'a Stack, radius: f64) -> Self {
+        Self { stack, panel: (FRAC_PI_2 / radius).min(1.0 / stack.layers()[0].thickness) }
+    }
+
+    /// Response Γ − H to a pressure of the wavenumber ξ (1/m), beyond the response H of the half-space, m/Pa.
+    pub fn beyond_half_space(&self, wavenumber: f64) -> f64 {
+        self.stack.wave(wavenumber).response(self.stack, 0.0).u_z - self.half_space(wavenumber)
+    }
+
+    /// Response H of the half-space, m/Pa.
+    pub fn half_space(&self, wavenumber: f64) -> f64 {
+        let struck = self.stack.layers()[0];
+        2.0 * (1.0 - struck.poisson.powi(2)) / (struck.young * wavenumber)
+    }
+
+    /// Wavenumber (1/m) above which the stack responds like the half-space.
+    pub fn half_space_from(&self) -> f64 {
+        HALF_SPACE / self.stack.layers()[0].thickness
+    }
+
+    /// ∫ f dξ between two positive wavenumbers, 1/m. The intervals grow with the wavenumber, since a soft layer begins to
+    /// slide far below ξ = 1/H, H being the thickness of the stack.
+    pub fn integrate(&self, mut from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let mut sum = 0.0;
+        while from < to {
+            let end = (2.0 * from).min(from + MOST_PANELS * self.panel).min(to);
+            sum += integrate(from, end, self.panel, &f);
+            from = end;
+        }
+        sum
+    }
+}
