@@ -16,7 +16,7 @@ from wide_laminates import Laminate
 
 TOLERANCE = {"layerwise": 1e-3, "solid": 1e-3}
 # Multiples of 29, which is none of the other bases, so that consecutive draws also differ in large bases.
-NUMBERS = range(29, 900, 29)
+NUMBERS = range(29, 552, 29)
 # Larger ones are those of meshes: splines would need too many unknowns.
 LARGEST_ERROR_OF_SOLID = 2e-3
 EDGES = ("free", 1e9, "free", 1e8)

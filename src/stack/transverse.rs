@@ -334,9 +334,7 @@ mod tests {
         for ShearStrain { of_displacements, .. } in Transverse::new(&stack).shear {
             let strain: f64 = of_displacements.iter().zip(depths).map(|(factor, depth)| factor * depth).sum();
             assert!((strain - 1.0).abs() < 1e-12, "{strain}");
-            assert!(
-                of_displacements.iter().sum::<f64>().abs() < 1e-9 && of_dilatations.iter().sum::<f64>().is_finite()
-            );
+            assert!(of_displacements.iter().sum::<f64>().abs() < 1e-9);
         }
     }
 

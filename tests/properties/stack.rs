@@ -260,6 +260,16 @@ fn the_layerwise_theory_is_of_fourth_order_in_long_waves() {
         stacks.push(vec![glass(0.004), interlayer(0.00038, shear), glass(0.01)]);
         let five = [glass(0.006), interlayer(0.00076, shear), glass(0.01), interlayer(0.00152, shear), glass(0.004)];
         stacks.push(five.to_vec());
+        // An interlayer in two halves, and a thin front ply.
+        let halves = [interlayer(0.00038, shear), interlayer(0.00038, shear)];
+        stacks.push(vec![glass(0.01), halves[0], halves[1], glass(0.01)]);
+        stacks.push(vec![
+            glass(0.001),
+            interlayer(0.00038, shear),
+            glass(0.01),
+            interlayer(0.00038, shear),
+            glass(0.01),
+        ]);
     }
     for layers in stacks {
         let stack = stack(&layers);
