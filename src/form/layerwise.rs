@@ -143,12 +143,6 @@ impl Profile {
         self.thickness(layer) / 6.0 * (2.0 * a * c + a * d + b * c + 2.0 * b * d)
     }
 
-    /// ∫ ζ φ_k dζ over a layer, m³.
-    pub fn moment(&self, k: usize, layer: usize) -> f64 {
-        let [[a, b], [c, d]] = [&self.heights, &self.shapes[k]].map(|values| [values[layer], values[layer + 1]]);
-        self.thickness(layer) / 6.0 * (2.0 * a * c + a * d + b * c + 2.0 * b * d)
-    }
-
     /// Σ c_j u_j over the faces and interfaces j, as the factors of all θ_k.
     fn of_rotations<'a>(&'a self, of_faces: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         self.shapes.iter().map(move |shape| shape.iter().zip(of_faces).map(|(phi, factor)| phi * factor).sum())

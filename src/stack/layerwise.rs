@@ -13,7 +13,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Layer, Response, ShearStrain, Stack, Transverse};
+use super::{Layer, Response, Stack, Transverse};
 
 /// Layerwise theory of a stack.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,9 +75,11 @@ impl Layerwise {
             for (a, b, value) in [(i, i, 2.0), (i, i + 1, 1.0), (i + 1, i, 1.0), (i + 1, i + 1, 2.0)] {
                 system[(a, b)] += sixth * value;
             }
-            for (place, value) in self.strain(strain, square).enumerate() {
-                system[(place, shear)] = h * value;
-                system[(shear, place)] = h * value;
+            let of_faces = strain.of_displacements.iter().zip(&strain.of_dilatations);
+            let rows = of_faces.map(|(a, b)| h * (a * height - square * b / height)).chain([-h]);
+            for (place, value) in rows.enumerate() {
+                system[(place, shear)] = value;
+                system[(shear, place)] = value;
             }
             system[(shear, shear)] = -h * h * square * height / (strain.factor * layer.shear());
         }
@@ -90,29 +92,20 @@ impl Layerwise {
         LayerwiseWave { wavenumber, unknowns: unknowns.rows(0, n + 2).into_owned() }
     }
 
-    /// Factors of φ_0 … φ_N and W, in scaled units, in the shear strain γ of a layer at the wavenumber whose square is
-    /// `square`.
-    fn strain<'a>(&self, strain: &'a ShearStrain, square: f64) -> impl Iterator<Item = f64> + 'a {
-        let height = self.stack.thickness;
-        let of_faces = strain.of_displacements.iter().zip(&strain.of_dilatations);
-        of_faces.map(move |(a, b)| a * height - square * b / height).chain([-1.0])
-    }
-
-    /// Field at a depth, m. u_z is the mean deflection, and σ_zz is neglected.
+    /// Field at a depth, m. u_z is the mean deflection, σ_rz follows from in-plane equilibrium, and σ_zz is neglected.
     pub fn response(&self, wave: &LayerwiseWave, depth: f64) -> Response {
         let (at, within) = self.stack.layer_at(depth);
         let unknowns = &wave.unknowns;
         let x = wave.wavenumber * self.stack.thickness;
+        let phi = |i: usize, part: f64| unknowns[i] + part * (unknowns[i + 1] - unknowns[i]);
+        // ∫ E′ φ dz from the loaded face to the depth.
+        let mut shear = 0.0;
+        for (i, layer) in self.stack.scaled[..=at].iter().enumerate() {
+            let part = if i == at { within / self.stack.layers[i].thickness } else { 1.0 };
+            shear += layer.young / (1.0 - layer.poisson.powi(2)) * layer.thickness * part * phi(i, 0.5 * part);
+        }
         let Layer { thickness, young, poisson } = self.stack.layers[at];
-        let part = within / thickness;
-        let phi = unknowns[at] + part * (unknowns[at + 1] - unknowns[at]);
-        let moduli: Vec<f64> = self.stack.layers.iter().map(Layer::shear).collect();
-        let of_strains = self.transverse.stress(at, part, &moduli).into_iter().zip(&self.transverse.shear);
-        let shear: f64 = of_strains
-            .map(|(factor, strain)| {
-                factor * self.strain(strain, x * x).zip(unknowns).map(|(of, unknown)| of * unknown).sum::<f64>()
-            })
-            .sum();
+        let phi = phi(at, within / thickness);
         let compliance = self.stack.thickness / self.stack.layers[0].young;
         let strain = x * x * phi * young / self.stack.layers[0].young;
         Response {
@@ -121,7 +114,7 @@ impl Layerwise {
             sum: strain / (1.0 - poisson),
             difference: -strain / (1.0 + poisson),
             sigma_zz: 0.0,
-            sigma_rz: x / self.stack.layers[0].young * shear,
+            sigma_rz: x.powi(3) * shear,
         }
     }
 }
