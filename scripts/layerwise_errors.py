@@ -30,10 +30,8 @@ class Pane(Laminate):
     def interlayer(self):
         return f"bulk = 2e9\nshear = {self.material}\n"
 
-    def plate(self):
-        edge = self.edge if isinstance(self.edge, str) else f"k = {self.edge:.0e}"
-        layers = "/".join(f"{1e3 * h:g}" for h in self.layers)
-        return f"{' × '.join(f'{x:g}' for x in self.size)} m, {layers} mm, {self.material / 1e6:g} MPa, {edge}"
+    def named(self):
+        return f"{self.material / 1e6:g} MPa"
 
 
 def drawn(number):

@@ -58,11 +58,15 @@ class Laminate(Scene):
         """Moduli of the interlayer, as TOML."""
         return INTERLAYERS[self.material]
 
+    def named(self):
+        """The interlayer in words."""
+        return self.material
+
     def plate(self):
         """Plate and edges in words."""
         edge = self.edge if isinstance(self.edge, str) else f"k = {self.edge:.0e}"
         layers = "/".join(f"{1e3 * h:g}" for h in self.layers)
-        return f"{' × '.join(f'{x:g}' for x in self.size)} m, {layers} mm, {self.material}, {edge}"
+        return f"{' × '.join(f'{x:g}' for x in self.size)} m, {layers} mm, {self.named()}, {edge}"
 
 
 def drawn(number):
