@@ -233,7 +233,7 @@ pub fn frequency_ratios(scene: &Scene) -> crate::error::Result<FrequencyRatios> 
 /// Length of the flexural waves of the contact with a layerwise plate, m. The cell sizes are based on it.
 ///
 /// # Errors
-/// Same as [`frequency_ratios`].
+/// Same as [`frequency_ratios()`].
 pub fn contact_wavelength(scene: &Scene) -> crate::error::Result<f64> {
     let section = of_scene(scene)?.0.section(scene);
     Ok(cells::wavelength(&section, cells::contact_time(&section, &scene.impactor)))
