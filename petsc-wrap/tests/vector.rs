@@ -84,13 +84,23 @@ fn many_vectors_at_once(session: &Session) {
     let mut x = filled(session, 3, |i| 2.0 - i);
     let others = [filled(session, 3, |i| i), filled(session, 3, |_| 1.0)];
     let expected: Vec<f64> = others.iter().map(|other| x.dot(other).unwrap()).collect();
+    let [first, second] = others.each_ref();
     // Small integers: sums are exact.
-    assert_eq!(x.dots(&others).unwrap(), expected);
+    assert_eq!(x.dots(&[first, second]).unwrap(), expected);
     assert!(x.dots(&[]).unwrap().is_empty());
     // 2 − i + i − 2
-    x.add_combination(&[1.0, -2.0], &others).unwrap();
+    x.add_combination(&[(1.0, first), (-2.0, second)]).unwrap();
     assert_eq!(x.norm_max().unwrap(), 0.0);
-    x.add_combination(&[], &[]).unwrap();
+    x.add_combination(&[]).unwrap();
+    assert_eq!(x.norm_max().unwrap(), 0.0);
+    // What the vector held does not matter, not even infinity.
+    for factor in [0.0, 1.0, 3.0] {
+        x.fill(f64::INFINITY).unwrap();
+        x.set_combination(&[(factor, second), (-1.0, first)]).unwrap();
+        x.add_combination(&[(1.0, first)]).unwrap();
+        assert!(x.read().unwrap().iter().all(|value| *value == factor));
+    }
+    x.set_combination(&[]).unwrap();
     assert_eq!(x.norm_max().unwrap(), 0.0);
 }
 
@@ -137,8 +147,11 @@ fn layouts_must_agree(session: &Session) {
     let fitting = filled(session, 3, |i| i);
     for x in others.into_iter().filter(|x| world.size() > 1 || x.len() != 3) {
         let pair = [fitting.duplicate().unwrap(), x];
-        assert!(matches!(y.dots(&pair), Err(Error::Invalid { .. })));
-        assert!(matches!(y.add_combination(&[1.0, 1.0], &pair), Err(Error::Invalid { .. })));
+        let [first, second] = pair.each_ref();
+        let terms = [(1.0, &**first), (1.0, &**second)];
+        assert!(matches!(y.dots(&[first, second]), Err(Error::Invalid { .. })));
+        assert!(matches!(y.add_combination(&terms), Err(Error::Invalid { .. })));
+        assert!(matches!(y.set_combination(&[terms[1], terms[0]]), Err(Error::Invalid { .. })));
     }
     // The refused calls have not changed the vector.
     y.axpy(-1.0, &fitting).unwrap();

@@ -171,6 +171,7 @@ pub const FUNCTIONS: &[&str] = &[
     "SNESSetTolerances",
     "SNESSetType",
     "SNESSolve",
+    "VecAXPBY",
     "VecAXPY",
     "VecAYPX",
     "VecAssemblyBegin",

@@ -248,7 +248,7 @@ impl VectorView {
     ///
     /// # Errors
     /// If the layouts differ, or if a PETSc call fails.
-    pub fn dots(&self, others: &[Vector]) -> Result<Vec<f64>> {
+    pub fn dots(&self, others: &[&VectorView]) -> Result<Vec<f64>> {
         let raw = self.raw_of(others)?;
         let mut values = vec![0.0; others.len()];
         // SAFETY: all vectors are valid, and there is one place for a value for each of them.
@@ -256,23 +256,33 @@ impl VectorView {
         Ok(values)
     }
 
-    /// self ← self + Σ factor·other.
+    /// self ← self + Σ factor·other, in fewer passes over the memory than one [`Self::axpy`] for each.
     ///
     /// # Errors
     /// If the layouts differ, or if a PETSc call fails.
-    ///
-    /// # Panics
-    /// If the numbers of factors and vectors differ.
-    pub fn add_combination(&mut self, factors: &[f64], others: &[Vector]) -> Result<()> {
-        assert_eq!(factors.len(), others.len());
-        let mut raw = self.raw_of(others)?;
+    pub fn add_combination(&mut self, terms: &[(f64, &VectorView)]) -> Result<()> {
+        let (factors, others): (Vec<f64>, Vec<&VectorView>) = terms.iter().copied().unzip();
+        let mut raw = self.raw_of(&others)?;
         // SAFETY: all vectors are valid and, by the borrow rules, none is the result; there is one factor for each.
         check(unsafe { sys::VecMAXPY(self.raw(), int(raw.len())?, factors.as_ptr(), raw.as_mut_ptr()) })
     }
 
+    /// self ← Σ factor·other; 0 without terms.
+    ///
+    /// # Errors
+    /// If the layouts differ, or if a PETSc call fails.
+    pub fn set_combination(&mut self, terms: &[(f64, &VectorView)]) -> Result<()> {
+        let Some(((factor, first), others)) = terms.split_first() else { return self.fill(0.0) };
+        self.layout().require_same(first.layout())?;
+        // SAFETY: both vectors are valid and, by the borrow rules, different. PETSc does not read the result if its factor
+        // is 0.
+        check(unsafe { sys::VecAXPBY(self.raw(), *factor, 0.0, first.raw()) })?;
+        self.add_combination(others)
+    }
+
     /// Raw handles of vectors, which must have this one's layout.
-    fn raw_of(&self, others: &[Vector]) -> Result<Vec<sys::Vec>> {
-        let of_one = |other: &Vector| {
+    fn raw_of(&self, others: &[&VectorView]) -> Result<Vec<sys::Vec>> {
+        let of_one = |other: &&VectorView| {
             self.layout().require_same(other.layout())?;
             Ok(other.raw())
         };

@@ -4,7 +4,7 @@
 mod pencil;
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use petsc_wrap::Vector;
+use petsc_wrap::{Vector, VectorView};
 
 use super::Body;
 use crate::error::Result;
@@ -89,9 +89,10 @@ pub fn largest_frequency(
         basis_q.push(last_q);
         let mut entry = 0.0;
         for _ in 0..2 {
-            let mut shares = momentum.dots(&basis)?;
+            let vectors: Vec<&VectorView> = basis.iter().map(|vector: &Vector| &**vector).collect();
+            let mut shares = momentum.dots(&vectors)?;
             shares.iter_mut().zip(&basis_q).for_each(|(share, basis_q)| *share = -(*share + q_momentum * basis_q));
-            x.add_combination(&shares, &basis)?;
+            x.add_combination(&shares.iter().copied().zip(vectors).collect::<Vec<_>>())?;
             q += shares.iter().zip(&basis_q).map(|(share, basis_q)| share * basis_q).sum::<f64>();
             q_momentum = pencil.mass((&x, q), &mut momentum)?;
             entry -= shares[shares.len() - 1];

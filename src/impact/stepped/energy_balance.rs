@@ -11,7 +11,7 @@
 //! the midpoint rule with discrete gradients, except for the contribution of viscoelastic parts
 //! ([`super::relaxation`]). (The central difference is the case β = 0, with the lumped mass.)
 
-use petsc_wrap::Vector;
+use petsc_wrap::{Vector, VectorView};
 
 use crate::body::Body;
 use crate::error::Result;
@@ -61,40 +61,44 @@ pub(super) fn exchange(
     let d = done.increment;
     let impactor = to.state.q.position - from.state.q.position;
     let (q0, q1) = (from.state.q, to.state.q);
-    let external = body.load.dot(d)? + parameters.weight * impactor;
+    let (before, after) = (&from.products, &to.products);
+    let damping = before.damping.as_ref().zip(after.damping.as_ref());
+    let support = before.support.as_ref().zip(after.support.as_ref());
+    // All forces that do work on D, so that one reduction is enough.
+    let mut forces: Vec<&VectorView> = vec![&body.load, &before.elastic, &after.elastic, &from.inertia, &to.inertia];
+    let pairs = [damping, support].into_iter().flatten();
+    forces.extend(pairs.flat_map(|(before, after)| [&**before, after]));
+    forces.extend(done.pads.map(|pads| &**pads));
+    let mut works = d.dots(&forces)?.into_iter();
+    let mut next = || works.next().expect("one work for each force");
+    let external = next() + parameters.weight * impactor;
+    let [elastic, inertia] = std::array::from_fn(|_| -next() + next());
     let Relaxed { dissipated, numerical } = done.relaxed;
     let mut exchange = Exchange { external, dissipated, numerical };
     let potential = |approach| parameters.law.potential(approach);
-    let elastic = done.force - done.damping;
-    exchange.numerical += potential(to.approach) - potential(from.approach) - elastic * (to.approach - from.approach);
+    let contact = done.force - done.damping;
+    exchange.numerical += potential(to.approach) - potential(from.approach) - contact * (to.approach - from.approach);
     exchange.dissipated += done.damping * (to.approach - from.approach);
-    if let Some(pads) = done.pads {
-        exchange.numerical += to.pads - from.pads - pads.dot(d)?;
-    }
-    let mut damping = 0.0;
-    if let (Some(before), Some(after)) = (&from.products.damping, &to.products.damping) {
-        let (before, after) = (before.dot(d)?, after.dot(d)?);
+    let mut stiffness = elastic;
+    if damping.is_some() {
+        let (before, after) = (next(), next());
         exchange.dissipated += 0.5 * (before + after);
-        damping = after - before;
+        stiffness += after - before;
     }
-    let lag = 0.5 - alpha_f;
-    if lag != 0.0 {
-        let mut stiffness = to.products.elastic.dot(d)? - from.products.elastic.dot(d)?;
-        if let (Some(before), Some(after)) = (&from.products.support, &to.products.support) {
-            stiffness += after.dot(d)? - before.dot(d)?;
-        }
-        exchange.numerical -= lag * (stiffness + damping);
+    if support.is_some() {
+        stiffness += -next() + next();
     }
+    if done.pads.is_some() {
+        exchange.numerical += to.pads - from.pads - next();
+    }
+    exchange.numerical -= (0.5 - alpha_f) * stiffness;
     let (of_mass, of_square) = (1.0 - gamma - alpha_m, step * step * (beta - 0.5 * gamma));
-    if of_mass != 0.0 {
-        let body = to.inertia.dot(d)? - from.inertia.dot(d)?;
-        let impactor = parameters.mass * impactor * (q1.acceleration - q0.acceleration);
-        exchange.numerical -= of_mass * (body + impactor);
-    }
+    let of_impactor = parameters.mass * impactor * (q1.acceleration - q0.acceleration);
+    exchange.numerical -= of_mass * (inertia + of_impactor);
     if of_square != 0.0 {
-        work.copy_from(&to.state.a)?;
-        work.axpy(-1.0, &from.state.a)?;
-        let body = (1.0 - gamma) * from.inertia.dot(work)? + gamma * to.inertia.dot(work)?;
+        work.set_combination(&[(1.0, &to.state.a), (-1.0, &from.state.a)])?;
+        let dots = work.dots(&[&from.inertia, &to.inertia])?;
+        let body = (1.0 - gamma) * dots[0] + gamma * dots[1];
         let mean = (1.0 - gamma) * q0.acceleration + gamma * q1.acceleration;
         let impactor = parameters.mass * mean * (q1.acceleration - q0.acceleration);
         exchange.numerical -= of_square * (body + impactor);
@@ -130,13 +134,14 @@ impl EnergyBalance {
         let multiplicity = parameters.multiplicity;
         let kinetic = multiplicity * 0.5 * products.momentum.dot(&state.v)?;
         // Computed from u without its translation, like K u.
-        let bent = products.elastic.dot(&state.u)? - at.surface * products.elastic.dot(&body.translation)?;
+        let dots = products.elastic.dots(&[&state.u, &body.translation])?;
+        let bent = dots[0] - at.surface * dots[1];
         let relaxing = stored_beyond(body, &at.lags, &state.u, at.surface)?;
         let elastic = multiplicity * (0.5 * bent + relaxing);
-        let mut support = body.support_offset - body.support_load.dot(&state.u)? + at.pads;
-        if let Some(product) = &products.support {
-            support += 0.5 * product.dot(&state.u)?;
-        }
+        let mut forces: Vec<&VectorView> = vec![&body.support_load];
+        forces.extend(products.support.iter().map(|support| &**support));
+        let dots = state.u.dots(&forces)?;
+        let support = body.support_offset - dots[0] + at.pads + 0.5 * dots.get(1).copied().unwrap_or_default();
         let support = multiplicity * support;
         let impactor = multiplicity * 0.5 * parameters.mass * state.q.velocity * state.q.velocity;
         let contact = multiplicity * parameters.law.potential(at.approach);

@@ -1,6 +1,6 @@
 //! One step of an implicit scheme: sets up its equation, solves it, and computes the state at the end of the step.
 
-use petsc_wrap::{Comm, Int, Vector};
+use petsc_wrap::{Comm, Int, Vector, VectorView};
 
 use crate::body::{Body, Pads};
 use crate::error::{Error, Result};
@@ -91,8 +91,8 @@ pub struct ImplicitStepper {
     pads: Option<Vector>,
     /// Viscoelastic parts, if there are any.
     relaxing: Option<Relaxing>,
-    /// Product M D; before that, C E.
-    weighed: Vector,
+    /// Product C D, where it does not follow from C u̇.
+    damped: Vector,
     /// Whether K u and M u̇ may be updated from the previous step instead of being recomputed. This requires:
     /// - the condensed step without pads and with a direct solver, whose residual is rounding;
     /// - constrained unknowns that stay at zero and take no part in the translation, so that the reaction forces in
@@ -138,8 +138,8 @@ impl ImplicitStepper {
         let is_direct = matches!(&solver, Solver::Condensed(condensed) if condensed.is_direct);
         let relaxing = Relaxing::new(body, step)?;
         let may_follow = is_quiet && is_direct && pads.is_none() && !scheme.gradient && relaxing.is_none();
-        let (known, work, weighed) = (zeros()?, zeros()?, zeros()?);
-        Ok(Self { scheme, step, solver, known, work, pads, relaxing, weighed, may_follow, is_direct, followed: 0 })
+        let (known, work, damped) = (zeros()?, zeros()?, zeros()?);
+        Ok(Self { scheme, step, solver, known, work, pads, relaxing, damped, may_follow, is_direct, followed: 0 })
     }
 
     /// Saves the memory of previous steps to a checkpoint or restores it. (The factors kept by the full Newton's method
@@ -162,23 +162,20 @@ impl ImplicitStepper {
         let (state, products) = (&from.state, &from.products);
         // g = f − K u_n − M a* − C v*, where a* and v* are the stage's acceleration and velocity for E = 0.
         let known = &mut self.known;
-        known.copy_from(&body.load)?;
-        known.axpy(1.0, &body.support_load)?;
-        known.axpy(-1.0, &products.elastic)?;
-        if let Some(support) = &products.support {
-            known.axpy(-1.0, support)?;
-        }
-        if let Some(relaxing) = &self.relaxing {
-            relaxing.add_lost(&from.lags, theta, known)?;
-        }
-        known.axpy(-stage.a[0], &products.momentum)?;
-        known.axpy(-stage.a[1], &from.inertia)?;
+        let mut terms: Vec<(f64, &VectorView)> =
+            vec![(1.0, &body.load), (1.0, &body.support_load), (-1.0, &products.elastic)];
+        terms.extend(products.support.iter().map(|support| (-1.0, &**support)));
+        terms.extend([(-stage.a[0], &*products.momentum), (-stage.a[1], &from.inertia)]);
         if let (Some(matrix), Some(damping)) = (&body.damping, &products.damping) {
-            known.axpy(-stage.v[0], damping)?;
+            terms.push((-stage.v[0], damping));
             if stage.v[1] != 0.0 {
                 matrix.mult(&state.a, &mut self.work)?;
-                known.axpy(-stage.v[1], &self.work)?;
+                terms.push((-stage.v[1], &self.work));
             }
+        }
+        known.set_combination(&terms)?;
+        if let Some(relaxing) = &self.relaxing {
+            relaxing.add_lost(&from.lags, theta, known)?;
         }
         body.clamps.zero(known)?;
         let q = state.q;
@@ -211,9 +208,7 @@ impl ImplicitStepper {
         if !self.is_direct {
             // Iterations start from the increment at constant acceleration.
             let (first, second) = (theta * step, 0.5 * theta * theta * step * step);
-            increment.copy_from(&state.v)?;
-            increment.scale(first)?;
-            increment.axpy(second, &state.a)?;
+            increment.set_combination(&[(first, &state.v), (second, &state.a)])?;
             problem.guess = first * q.velocity + second * q.acceleration;
         }
         let solved = match &mut self.solver {
@@ -222,15 +217,6 @@ impl ImplicitStepper {
         };
         self.followed = if self.may_follow { (self.followed + 1) % FOLLOWED } else { 0 };
         let follows = self.followed > 0;
-        if follows {
-            // K E follows from the solved equation S E = g + a F by subtraction of C E here and of c2 M E in `follow`.
-            self.known.axpy(solved.force, &body.localization.vector)?;
-            if let Some(damping) = &body.damping {
-                damping.mult(&self.work, &mut self.weighed)?;
-                self.known.axpy(-stage.c1, &self.weighed)?;
-            }
-            self.known.scale(1.0 / theta)?;
-        }
         self.work.scale(1.0 / theta)?;
         let impactor = solved.increment / theta;
         self.end(from, &mut to.state, impactor)?;
@@ -250,7 +236,7 @@ impl ImplicitStepper {
             }
         }
         if follows {
-            self.follow(body, parameters, (from, to))?;
+            self.follow(body, parameters, (from, to), solved.force)?;
         } else {
             to.update(body, parameters.gap)?;
             body.apply_mass(&to.state.a, &mut to.inertia)?;
@@ -265,40 +251,60 @@ impl ImplicitStepper {
         Ok((exchange, solved.iterations))
     }
 
-    /// Computes the products at the end of a step from the products at its start; `known` contains K D + c2 M D. Only M
-    /// is applied, which couples no displacement components. It is applied to ü, because M ü carried on from step to
-    /// step would accumulate a growing error.
-    fn follow(&mut self, body: &Body, parameters: &ImpactParameters, (from, to): (&Moment, &mut Moment)) -> Result<()> {
-        let (stage, end) = (self.scheme.stage(self.step), self.scheme.end(self.step));
-        let (momentum, [of_v, of_a]) = (&from.products.momentum, end.a);
+    /// Computes the products at the end of a step from the products at its start. `known` contains g, `work` D, and F is
+    /// the contact force. The solved equation S E = g + a F with E = θ D gives K D = (g + a F)/θ − c1 C D − c2 M D. Of
+    /// the large matrices only M is applied, which couples no displacement components. It is applied to ü, because M ü
+    /// carried on from step to step would accumulate a growing error.
+    fn follow(
+        &mut self,
+        body: &Body,
+        parameters: &ImpactParameters,
+        (from, to): (&Moment, &mut Moment),
+        force: f64,
+    ) -> Result<()> {
+        let (stage, end, theta) = (self.scheme.stage(self.step), self.scheme.end(self.step), self.scheme.theta());
+        let (before, after) = (&from.products, &mut to.products);
         body.apply_mass(&to.state.a, &mut to.inertia)?;
-        // Computes M D from ü = c2 D + of_v u̇_n + of_a ü_n.
-        self.weighed.copy_from(&to.inertia)?;
-        self.weighed.axpy(-of_v, momentum)?;
-        self.weighed.axpy(-of_a, &from.inertia)?;
-        self.weighed.scale(1.0 / end.c2)?;
-        self.known.axpy(-stage.c2, &self.weighed)?;
-        body.clamps.zero(&mut self.known)?;
         body.clamps.zero(&mut to.inertia)?;
-        to.place(body, parameters.gap)?;
-        to.products.follow(body, &from.products, &to.state, &self.known)?;
-        let out = &mut to.products.momentum;
-        out.copy_from(momentum)?;
-        out.scale(end.v[0])?;
-        out.axpy(end.v[1], &from.inertia)?;
-        Ok(out.axpy(end.c1, &self.weighed)?)
+        after.update_of_surface(body, &to.state)?;
+        // M D from ü = c2 D + a[0] u̇_n + a[1] ü_n.
+        let factor = 1.0 / end.c2;
+        let of_mass: [(f64, &VectorView); 3] =
+            [(factor, &to.inertia), (-end.a[0] * factor, &before.momentum), (-end.a[1] * factor, &from.inertia)];
+        let mut terms: Vec<(f64, &VectorView)> =
+            vec![(1.0, &before.elastic), (1.0 / theta, &self.known), (force / theta, &body.localization.vector)];
+        terms.extend(of_mass.map(|(factor, term)| (-stage.c2 * factor, term)));
+        if let (Some(before), Some(after)) = (&before.support, &after.support) {
+            terms.extend([(1.0, &**before), (-1.0, after)]);
+        }
+        if let (Some(matrix), Some(before), Some(after)) = (&body.damping, &before.damping, &after.damping) {
+            if end.v[1] == 0.0 {
+                // C D from u̇ = c1 D + v[0] u̇_n.
+                let factor = stage.c1 / end.c1;
+                terms.extend([(-factor, &**after), (factor * end.v[0], before)]);
+            } else {
+                matrix.mult(&self.work, &mut self.damped)?;
+                terms.push((-stage.c1, &self.damped));
+            }
+        }
+        after.elastic.set_combination(&terms)?;
+        body.clamps.zero(&mut after.elastic)?;
+        let ratio = end.c1 / end.c2;
+        let of_old = [0, 1].map(|i| end.v[i] - ratio * end.a[i]);
+        after.momentum.set_combination(&[
+            (ratio, &to.inertia),
+            (of_old[0], &before.momentum),
+            (of_old[1], &from.inertia),
+        ])?;
+        to.place(body, parameters.gap)
     }
 
     /// Computes u, u̇ and ü at the end of a step from D in `work`.
     fn end(&self, from: &Moment, to: &mut State, impactor: f64) -> Result<()> {
         let (state, end) = (&from.state, self.scheme.end(self.step));
-        to.u.copy_from(&state.u)?;
-        to.u.axpy(1.0, &self.work)?;
+        to.u.set_combination(&[(1.0, &state.u), (1.0, &self.work)])?;
         for (out, (c, [of_v, of_a])) in [(&mut to.v, (end.c1, end.v)), (&mut to.a, (end.c2, end.a))] {
-            out.copy_from(&state.v)?;
-            out.scale(of_v)?;
-            out.axpy(of_a, &state.a)?;
-            out.axpy(c, &self.work)?;
+            out.set_combination(&[(of_v, &*state.v), (of_a, &state.a), (c, &self.work)])?;
         }
         let (velocity, acceleration) = end.apply(impactor, state.q.velocity, state.q.acceleration);
         to.q = Impactor { position: state.q.position + impactor, velocity, acceleration };

@@ -69,25 +69,13 @@ impl Products {
         bent.axpy(-surface, &body.translation)?;
         body.apply_elastic(bent, &mut self.elastic)?;
         body.apply_mass(&state.v, &mut self.momentum)?;
-        if let (Some(matrix), Some(product)) = (&body.support, &mut self.support) {
-            matrix.mult(&state.u, product)?;
-        }
-        if let Some(product) = &mut self.damping {
-            body.apply_damping(&state.v, product)?;
-        }
-        Ok(())
+        self.update_of_surface(body, state)
     }
 
-    /// Updates the products after a step without recomputing K u. `change` is the change of K u including the supports;
-    /// the supports' part is subtracted from it to update the elastic part. The supports' part and C u̇ are recomputed;
-    /// the caller updates M u̇. Collective.
-    pub(super) fn follow(&mut self, body: &Body, from: &Self, state: &State, change: &Vector) -> Result<()> {
-        self.elastic.copy_from(&from.elastic)?;
-        self.elastic.axpy(1.0, change)?;
-        if let (Some(matrix), Some(product), Some(before)) = (&body.support, &mut self.support, &from.support) {
+    /// Recomputes the products of supports and dampers, whose matrices have entries on the surface only. Collective.
+    pub(super) fn update_of_surface(&mut self, body: &Body, state: &State) -> Result<()> {
+        if let (Some(matrix), Some(product)) = (&body.support, &mut self.support) {
             matrix.mult(&state.u, product)?;
-            self.elastic.axpy(-1.0, product)?;
-            self.elastic.axpy(1.0, before)?;
         }
         if let Some(product) = &mut self.damping {
             body.apply_damping(&state.v, product)?;
@@ -145,9 +133,11 @@ impl Moment {
 
     /// Recomputes surface displacement, approach and its rate, after a change of u, u̇ and q. Collective.
     pub(super) fn place(&mut self, body: &Body, gap: f64) -> Result<()> {
-        self.surface = body.localization.vector.dot(&self.state.u)?;
-        self.approach = self.state.q.position - gap - self.surface;
-        self.rate = self.state.q.velocity - self.surface_rate(body)?;
+        let State { u, v, q, .. } = &self.state;
+        let dots = body.localization.vector.dots(&[u, v])?;
+        self.surface = dots[0];
+        self.approach = q.position - gap - self.surface;
+        self.rate = q.velocity - dots[1];
         Ok(())
     }
 
