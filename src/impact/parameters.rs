@@ -28,18 +28,23 @@ pub struct ImpactParameters {
 impl ImpactParameters {
     /// Returns the parameters of an impactor on a body.
     pub fn new(impactor: &scene::Impactor, body: &Body) -> Self {
-        Self::of(impactor, body.multiplicity, body.localization.compliance)
+        let has_patch = body.localization.patch.is_some();
+        Self::of(impactor, body.multiplicity, (body.localization.compliance, has_patch))
     }
 
     /// Returns the parameters of an impactor on one of `multiplicity` parts of a body; `compliance` is c_l of the contact
-    /// law, m/N.
-    pub fn of(impactor: &scene::Impactor, multiplicity: f64, compliance: f64) -> Self {
+    /// law, m/N, and `has_patch` says whether the force acts on a patch of a given radius.
+    pub fn of(impactor: &scene::Impactor, multiplicity: f64, (compliance, has_patch): (f64, bool)) -> Self {
+        // A soft layer's law is for bodies whose compliance c_l is that of the limit of a small patch. Point forces on a
+        // mesh and theories without a local field have none.
+        let on_soft_layer = impactor.on_soft_layer.as_ref().filter(|_| !has_patch && compliance != 0.0);
+        let force_law = on_soft_layer.unwrap_or(&impactor.force_law);
         Self {
             mass: impactor.mass / multiplicity,
             speed: impactor.speed,
             gap: impactor.gap,
             weight: impactor.mass / multiplicity * impactor.gravity,
-            law: Law { force_law: impactor.force_law.part(multiplicity), compliance, damping: impactor.damping },
+            law: Law { force_law: force_law.part(multiplicity), compliance, damping: impactor.damping },
             multiplicity,
         }
     }

@@ -22,16 +22,11 @@ use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors};
 use crate::scene::{Body, Layer, Model, Parts, Scene};
-use crate::space::plate::MODULI_TIME_OVER_CONTACT;
 
 /// The scene with elastic layers, which have the moduli at half the contact time.
 pub(super) fn elastic(scene: &Scene) -> Scene {
-    let composition = scene.body.composition.elastic_at(time(scene));
+    let composition = scene.body.composition.elastic_at(scene.impactor.moduli_time());
     Scene { body: Body { composition, ..scene.body.clone() }, ..scene.clone() }
-}
-
-fn time(scene: &Scene) -> f64 {
-    MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time()
 }
 
 /// Least modulus at the end over the modulus at half the contact time for which one modulus is used to choose the
@@ -57,7 +52,7 @@ pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
 /// run.
 pub(super) fn keeps_much(scene: &Scene) -> bool {
     let Parts::Layers(layers) = &scene.body.composition.parts else { return true };
-    let [at_first, at_last] = [time(scene), scene.time.end];
+    let [at_first, at_last] = [scene.impactor.moduli_time(), scene.time.end];
     let keeps_much = |layer: &Layer| {
         layer.material.shear.as_ref().is_none_or(|chain| chain.at(at_last) >= LEFT_AT_END * chain.at(at_first))
     };
@@ -178,7 +173,7 @@ fn found(
 ) -> Result<Option<Found>> {
     let (Assembled::Local(body), Some(cells)) = (&built.body, built.cells) else { return Ok(None) };
     let stand_in = Operators {
-        body: Assembled::Local(Box::new(body.elastic_at(time(scene)))),
+        body: Assembled::Local(Box::new(body.elastic_at(scene.impactor.moduli_time()))),
         discretisation: String::new(),
         cells: built.cells,
         cell_over_disc: built.cell_over_disc,

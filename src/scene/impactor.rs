@@ -15,6 +15,9 @@ pub struct Impactor {
     pub stiffness: f64,
     /// Contact law F(α).
     pub force_law: ForceLaw,
+    /// Law in place of F(α) on bodies whose impacted layer is much softer than others; otherwise `None`. α is then the
+    /// approach minus the deflection under a point force.
+    pub on_soft_layer: Option<ForceLaw>,
     /// Damping d of Hunt and Crossley's factor 1 + d α̇, s/m.
     pub damping: f64,
     /// Speed along the direction at t = 0, m/s.
@@ -33,6 +36,11 @@ impl Impactor {
     /// Duration of a contact with a fixed half-space without damping, s.
     pub fn contact_time(&self) -> f64 {
         self.force_law.contact_time(self.mass, self.speed)
+    }
+
+    /// Time (s) at which viscoelastic layers are taken as elastic in local fields, which are static: half the contact time.
+    pub fn moduli_time(&self) -> f64 {
+        0.5 * self.contact_time()
     }
 
     /// Peak force of an impact on a fixed half-space without damping, N.

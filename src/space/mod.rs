@@ -22,7 +22,6 @@ use crate::description::{Part, Place};
 use crate::error::Result;
 use crate::form::SurfaceElement;
 
-pub use plate::MODULI_TIME_OVER_CONTACT;
 pub use terms::SurfaceTerms;
 
 /// Receives the values of an element with the global numbers of its n unknowns: n values of a vector, or n² values of a

@@ -345,5 +345,5 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
 }
 
 fn parameters(impactor: &Impactor, body: &ModalBody) -> ImpactParameters {
-    ImpactParameters::of(impactor, body.multiplicity, body.compliance)
+    ImpactParameters::of(impactor, body.multiplicity, (body.compliance, body.patch.is_some()))
 }

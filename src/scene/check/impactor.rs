@@ -36,6 +36,7 @@ pub(super) fn check(
         radius,
         stiffness,
         force_law,
+        on_soft_layer: None,
         damping: contact::damping(source, contact, speed)?,
         speed,
         point: point(source, raw, outline, direction)?,

@@ -12,6 +12,7 @@ mod numbers;
 mod output;
 mod plausible;
 mod relaxation;
+mod soft_layer;
 mod strength;
 mod support;
 mod symmetry;
@@ -50,7 +51,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         .map(|(number, support)| support::check(source, number, support, &outline))
         .collect::<Result<Vec<_>, _>>()?;
     let load = load(source, &raw.load, &outline)?;
-    let impactor = impactor::check(source, (&raw.impactor, &raw.contact), &composition.struck, &outline)?;
+    let mut impactor = impactor::check(source, (&raw.impactor, &raw.contact), &composition.struck, &outline)?;
     let contact = contact::localization(source, &raw.contact)?;
     let output = output::check(source, &raw, &outline)?;
     let strength = strength::check(source, &raw, &outline, (&composition, &impactor))?;
@@ -83,6 +84,9 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     modal::only(source, &raw, (model, &supports), &time)?;
     time::equilibrium(source, &time, &load, &supports)?;
     let temperature = material::temperature(source, &raw)?;
+    if let Geometry::Box { size, .. } = geometry {
+        impactor.on_soft_layer = soft_layer::law(size, &composition, &impactor, contact);
+    }
     let body = Body { model, reduction, composition, temperature, geometry, order, symmetry, wavelength: None };
     let keys = plausible::Keys { stiffness: &stiffness_key, density: &density_key };
     plausible::check(source, (&body, keys), (&impactor, raw.impactor.stiffness.is_some()), time.end)?;

@@ -17,7 +17,7 @@ mod waves;
 
 pub(super) use cells::{contact_time, wavelength};
 pub use cells::{crossing, local_vibrations};
-pub use laminate::{FrequencyRatios, Laminate, MODULI_TIME_OVER_CONTACT, contact_wavelength, frequency_ratios};
+pub use laminate::{FrequencyRatios, Laminate, contact_wavelength, frequency_ratios};
 pub use points::Points;
 pub use theory::PlateTheory;
 pub use waves::{classes_of_motions, infinite_plate};

@@ -123,7 +123,7 @@ impl SplineSolid {
             (tensor.matrix_sharing(&forms, &mut integrals), chain.clone())
         };
         let relaxations = description.relaxations().into_iter().map(relaxation).collect();
-        let points = Points::new(tensor, lines, parts, (&geometry, &patch), points::time(scene));
+        let points = Points::new(tensor, lines, parts, (&geometry, &patch), scene.impactor.moduli_time());
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &geometry.mirrors }, &description)?;
         let multiplicity = geometry.multiplicity();
         let system = System {

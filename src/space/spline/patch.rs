@@ -3,7 +3,7 @@
 use super::Points;
 use super::geometry::BoxGeometry;
 use super::layer::{beyond_half_space, squeezing, stack_beyond_half_space};
-use super::points::{stack, time};
+use super::points::stack;
 use crate::contact::{Patch, Reason, limits, unit_compliance};
 use crate::description::Description;
 use crate::error::Result;
@@ -17,6 +17,9 @@ const DISC_OVER_THICKNESS: [f64; 2] = [2.0, 1.0];
 
 /// Safety factor on the radius at which the contact stiffness vanishes.
 const MARGIN: f64 = 1.25;
+
+/// Factor between discs that are tried on a soft layer.
+const WIDER: f64 = 1.2;
 
 /// Model of the loaded disc, over which the displacement is averaged too.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,16 +105,30 @@ impl PatchModel {
         }
         let patch =
             given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
-        let spread = Spread::new((radius / disc).min(1.0));
         // The moduli of a viscoelastic stack are those of one temperature. The disc does not depend on them, so that all
         // temperatures have the same cells.
         let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
-        let stack = if is_wide_stack { stack(&Description::new(scene).parts, geometry, time(scene)) } else { None };
-        let of_stack = stack.map_or(0.0, |stack| stack_beyond_half_space(&stack, &spread, disc));
-        // Under a soft layer on a stiff one, the contact law with this part may have negative stiffness on any disc.
-        // The layer is then treated as a half-space.
+        let on_soft_layer = impactor.on_soft_layer.as_ref().filter(|_| given.is_none());
+        let parts = Description::new(scene).parts;
+        let stack =
+            stack(&parts, geometry, impactor.moduli_time()).filter(|_| is_wide_stack || on_soft_layer.is_some());
+        let spread = |disc: f64| Spread::new((radius / disc).min(1.0));
+        let of_stack =
+            |disc: f64| stack.as_ref().map_or(0.0, |stack| stack_beyond_half_space(stack, &spread(disc), disc));
+        if let Some(law) = on_soft_layer {
+            // The soft layer's own compliance is in the law, and the approach lacks it: on a narrow disc the contact would
+            // have negative stiffness.
+            let tangent = law.tangent(law.peak_indentation(impactor.mass, impactor.speed));
+            while MARGIN * tangent * (compliance(disc) + of_stack(disc)) > 1.0 && disc < room {
+                disc = (WIDER * disc).min(room);
+            }
+        }
+        let (spread, of_stack) = (spread(disc), of_stack(disc));
+        // On a layer only a little softer than others, the contact law with this part may have negative stiffness on any
+        // disc. The layer is then treated as a half-space.
         let (wanted, _) = limits(disc, compliance(disc) + of_stack);
-        let of_stack = if of_stack <= 0.0 || MARGIN * wanted <= disc { of_stack } else { 0.0 };
+        let is_kept = on_soft_layer.is_some() || of_stack <= 0.0 || MARGIN * wanted <= disc;
+        let of_stack = if is_kept { of_stack } else { 0.0 };
         Ok(Self { patch, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
     }
 

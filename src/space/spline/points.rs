@@ -6,8 +6,7 @@ use crate::form::elastic::displacement;
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
 use crate::form::{Material, Spread};
-use crate::scene::{Scene, Vec3};
-use crate::space::MODULI_TIME_OVER_CONTACT;
+use crate::scene::Vec3;
 use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
 use crate::stack::{Layer, Pressure, Sections, Stack, on_parabola};
@@ -95,11 +94,6 @@ impl Points {
     fn law(&self, x: Vec3) -> &[[f64; 9]; 6] {
         &self.laws[self.interfaces.partition_point(|height| *height <= x[2])]
     }
-}
-
-/// Time (s) at which the moduli of viscoelastic layers are taken for local fields.
-pub(super) fn time(scene: &Scene) -> f64 {
-    MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time()
 }
 
 /// Layers of a box from the impacted face, with their moduli at a time (s) after a step of the strain.

@@ -9,7 +9,6 @@ use crate::form;
 use crate::material::Maxwell;
 use crate::model::shift;
 use crate::scene::{self, Contact, Impactor, Initial, Load, Measure, Scene, Support, Vec3};
-use crate::space::MODULI_TIME_OVER_CONTACT;
 
 /// All properties of a scene that its body depends on.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +65,7 @@ impl BodyOf {
     /// for the moduli of the local contact field: each member gives the body its chains
     /// ([`ModalBody::with_chains`](crate::body::ModalBody::with_chains)).
     pub fn new(scene: &Scene) -> Self {
-        let time = MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time();
+        let time = scene.impactor.moduli_time();
         let materials = scene.body.composition.materials().into_iter().filter(|_| has_local_field(scene));
         let moduli = materials.filter_map(|material| Some(rounded(material.shear.as_ref()?.at(time), scene.tolerance)));
         Self { local: moduli.collect(), rates: rates_of(scene), ..Self::relaxing_anyhow(scene) }

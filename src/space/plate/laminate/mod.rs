@@ -23,10 +23,6 @@ use crate::stack::{self, Layerwise, Stack};
 /// stack.
 const LEAST_LAYER: f64 = 0.125;
 
-/// Time at which the moduli of viscoelastic layers are taken for the local constants of the plate, as a fraction of the
-/// duration of a contact with a half-space.
-pub const MODULI_TIME_OVER_CONTACT: f64 = 0.5;
-
 /// Smallest Young's modulus of a layer that counts as bending, as a fraction of the largest Young's modulus.
 const STIFF: f64 = 0.1;
 
@@ -100,7 +96,7 @@ impl Laminate {
             let is_alike = parts[i].material == parts[image].material;
             is_alike && (thicknesses[i] - thicknesses[image]).abs() <= 1e-9 * geometry.thickness
         });
-        let time = MODULI_TIME_OVER_CONTACT * scene.impactor.contact_time();
+        let time = scene.impactor.moduli_time();
         let layer = |(part, thickness): (&Part, &f64)| {
             let Material { young, poisson, .. } = part.material.at(time);
             stack::Layer { thickness: *thickness, young, poisson }
