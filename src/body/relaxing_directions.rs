@@ -62,6 +62,9 @@ impl Directions {
     /// Computes the directions for modes of the given amplitudes and fractions of the strain energy that may be left
     /// out. `None` if the modes do not move.
     pub fn new(distortion: &DMatrix<f64>, amplitudes: &DVector<f64>, left_out: &[f64]) -> Option<Self> {
+        if amplitudes.is_empty() {
+            return None;
+        }
         let weights = amplitudes.map(|amplitude| amplitude * amplitude);
         let mut left = distortion.diagonal();
         let all = left.dot(&weights);
@@ -106,6 +109,12 @@ impl Directions {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Without modes that move there are no directions. (A pivot of none does not exist.)
+    #[test]
+    fn no_modes_have_no_directions() {
+        assert!(Directions::new(&DMatrix::zeros(0, 0), &DVector::zeros(0), &[1e-3, 1e-3]).is_none());
+    }
 
     /// D = B Bᵀ in the rows of the heaviest modes, to rounding. The remainder is positive and as small as requested.
     #[test]

@@ -37,8 +37,8 @@ impl ImpactParameters {
     pub fn of(impactor: &scene::Impactor, multiplicity: f64, (compliance, has_patch): (f64, bool)) -> Self {
         // A soft layer's law is for bodies whose compliance c_l is that of the limit of a small patch. Point forces on a
         // mesh and theories without a local field have none.
-        let on_soft_layer = impactor.on_soft_layer.as_ref().filter(|_| !has_patch && compliance != 0.0);
-        let force_law = on_soft_layer.unwrap_or(&impactor.force_law);
+        let soft_law = impactor.soft_law().filter(|_| !has_patch && compliance != 0.0);
+        let force_law = soft_law.unwrap_or(&impactor.force_law);
         Self {
             mass: impactor.mass / multiplicity,
             speed: impactor.speed,
@@ -86,8 +86,8 @@ impl ImpactParameters {
         }
         if law.ends() {
             return Err(Error::Solve(format!(
-                "the impactor has come to the end of contact.table, an indentation of {:.4e} m at a force of {:.4e} N: the table \
-                 has to go on, or the impactor has to be lighter or slower",
+                "the impactor has come to the end of the contact law (contact.table, or the law of a soft layer), an indentation of \
+                 {:.4e} m at a force of {:.4e} N: the table has to go on, or the impactor has to be lighter or slower",
                 law.force_law.end(),
                 self.multiplicity * law.force(law.limit())
             )));

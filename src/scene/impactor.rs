@@ -15,9 +15,8 @@ pub struct Impactor {
     pub stiffness: f64,
     /// Contact law F(α).
     pub force_law: ForceLaw,
-    /// Law in place of F(α) on bodies whose impacted layer is much softer than others; otherwise `None`. α is then the
-    /// approach minus the deflection under a point force.
-    pub on_soft_layer: Option<ForceLaw>,
+    /// Contact with a layer that is much softer than others of the body.
+    pub soft_layer: SoftLayer,
     /// Damping d of Hunt and Crossley's factor 1 + d α̇, s/m.
     pub damping: f64,
     /// Speed along the direction at t = 0, m/s.
@@ -32,7 +31,38 @@ pub struct Impactor {
     pub gravity: f64,
 }
 
+/// Contact with an impacted layer that is much softer than others of the body.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SoftLayer {
+    /// The impacted layer is not soft, or Hertz's law is not asked for.
+    None,
+    /// Law in place of F(α) on plates, and on spline solids without a patch of a given radius. α is the approach minus the
+    /// deflection under a point force.
+    Law(ForceLaw),
+    /// The layer is treated as a half-space, which is inaccurate: it is viscoelastic or thin compared with the contact, or
+    /// the hit is near an edge, or a face of the box is supported.
+    Untreated,
+}
+
+impl SoftLayer {
+    /// Radius (m) of the disc on which bodies with a soft layer's law carry the force, for a thickness of the body (m). On a
+    /// narrower one the contact may have negative stiffness. The soft layer does not bend separately, as a ply does.
+    pub fn disc(thickness: f64) -> f64 {
+        2.0 * thickness
+    }
+}
+
 impl Impactor {
+    /// The law of a soft layer, if there is one.
+    pub fn soft_law(&self) -> Option<&ForceLaw> {
+        if let SoftLayer::Law(law) = &self.soft_layer { Some(law) } else { None }
+    }
+
+    /// Whether another impactor has the same motion and the same contact law on a hard body.
+    pub fn is_like(&self, other: &Self) -> bool {
+        Self { soft_layer: SoftLayer::None, ..self.clone() } == Self { soft_layer: SoftLayer::None, ..other.clone() }
+    }
+
     /// Duration of a contact with a fixed half-space without damping, s.
     pub fn contact_time(&self) -> f64 {
         self.force_law.contact_time(self.mass, self.speed)

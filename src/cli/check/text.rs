@@ -170,8 +170,10 @@ fn law(impactor: &Impactor) -> String {
             format!("force by a table of {} points up to {} m", table.points().len(), short(table.end()))
         }
     };
-    let law = match impactor.on_soft_layer {
-        Some(_) => format!("{law}, on plates and spline solids the law of a sphere on the soft layer"),
+    let law = match impactor.soft_law() {
+        Some(_) => format!(
+            "{law}, on plates and on spline solids without contact.patch_radius the law of a sphere on the soft layer"
+        ),
         None => law,
     };
     match impactor.damping {

@@ -5,7 +5,7 @@ use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model;
 use crate::scene::{
-    Contact, Doubt, Geometry, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
+    Contact, Doubt, Geometry, Load, Model as Theory, Scene, Scheme, SoftLayer, Source, doubts, face_names, one_digit,
 };
 use crate::scheme::critical_frequency;
 
@@ -218,6 +218,12 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     let indentation = impactor.peak_indentation();
     match &impactor.force_law {
         ForceLaw::Hertz(_) => {
+            if impactor.soft_layer == SoftLayer::Untreated {
+                let text = "the layer that is hit is much softer than another, and Hertz's law of a half-space is used, with an error that \
+                            is not estimated: the layer is viscoelastic or thin compared with the contact, or the hit is near an edge, or a face is \
+                            supported";
+                add("soft layer", 1.0, text.to_owned());
+            }
             let of_contact = impactor.radius.map_or(0.0, |radius| (radius * indentation).sqrt());
             if let Some(distance) = scene.distance_to_edge().filter(|distance| *distance < of_contact) {
                 let text = format!(

@@ -192,7 +192,7 @@ mod tests {
             radius: Some(0.05),
             stiffness: 1.7e10,
             force_law: ForceLaw::Hertz(Hertz { stiffness: 1.7e10 }),
-            on_soft_layer: None,
+            soft_layer: SoftLayer::None,
             damping: 0.0,
             speed: 1.0,
             point,

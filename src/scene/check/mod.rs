@@ -85,7 +85,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     time::equilibrium(source, &time, &load, &supports)?;
     let temperature = material::temperature(source, &raw)?;
     if let Geometry::Box { size, .. } = geometry {
-        impactor.on_soft_layer = soft_layer::law(size, &composition, &impactor, contact);
+        impactor.soft_layer = soft_layer::law(size, &composition, &supports, &impactor, contact);
     }
     let body = Body { model, reduction, composition, temperature, geometry, order, symmetry, wavelength: None };
     let keys = plausible::Keys { stiffness: &stiffness_key, density: &density_key };

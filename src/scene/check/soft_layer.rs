@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::super::{Composition, Contact, Impactor, Layer as Given, Parts, Vec3};
+use super::super::{Composition, Contact, Impactor, Layer as Given, Parts, SoftLayer, Support, Vec3, faces};
 use crate::contact::{ForceLaw, Hertz, Table};
 use crate::stack::{Layer, Sphere, Stack};
 
@@ -10,38 +10,47 @@ use crate::stack::{Layer, Sphere, Stack};
 /// layers have Hertz's law of a half-space, as bodies of one material.
 const SOFT: f64 = 0.5;
 
-/// Energy up to which the law is needed, over the energy of the impactor: repeated contacts and the weight add some.
-const ENERGY: f64 = 2.0;
-
 /// Largest ξH of the longest wave, H the thickness of the stack. It is otherwise the longest wave on the body.
 const LONGEST_WAVE: f64 = 0.05;
 
-/// Law of the contact with the layers of a box, if the impacted one is soft and the impact is normal to it; otherwise
-/// `None`. Also `None` where the deflection of the stack under the contact disc exceeds the indentation: then the disc
-/// matters little.
-pub(super) fn law(size: Vec3, composition: &Composition, impactor: &Impactor, contact: Contact) -> Option<ForceLaw> {
-    let Parts::Layers(layers) = &composition.parts else { return None };
-    let ForceLaw::Hertz(Hertz { stiffness }) = impactor.force_law else { return None };
+/// Law of the contact with the layers of a box, if the impacted one is soft and the impact is normal to it.
+pub(super) fn law(
+    size: Vec3,
+    composition: &Composition,
+    supports: &[Support],
+    impactor: &Impactor,
+    contact: Contact,
+) -> SoftLayer {
+    let Parts::Layers(given) = &composition.parts else { return SoftLayer::None };
+    let ForceLaw::Hertz(Hertz { stiffness }) = impactor.force_law else { return SoftLayer::None };
     let is_normal = (impactor.direction[2].abs() - 1.0).abs() < 1e-9;
     if !is_normal || contact == Contact::Point {
-        return None;
+        return SoftLayer::None;
     }
     let time = impactor.moduli_time();
     let of_layer = |layer: &Given| {
         let material = layer.material.at(time);
         Layer { thickness: layer.thickness, young: material.young, poisson: material.poisson }
     };
-    let mut layers: Vec<Layer> = layers.iter().map(of_layer).collect();
+    let mut layers: Vec<Layer> = given.iter().map(of_layer).collect();
     if impactor.direction[2] > 0.0 {
         layers.reverse();
     }
     let stiffest = layers.iter().map(|layer| layer.young).fold(0.0, f64::max);
     if layers[0].young >= SOFT * stiffest {
-        return None;
+        return SoftLayer::None;
     }
-    let (stack, radius) = (Stack::new(&layers)?, impactor.radius?);
-    let sphere = Sphere { radius, modulus: 0.75 * stiffness / radius.sqrt() };
-    let longest = (PI / size[0].max(size[1])).min(LONGEST_WAVE / stack.thickness());
-    let energy = ENERGY * 0.5 * impactor.mass * impactor.speed.powi(2);
-    Table::new(&stack.contact_law(&sphere, longest, energy)?).ok().map(ForceLaw::Table)
+    // Hertz's law has the instantaneous modulus of a viscoelastic layer. The stack has free faces.
+    let is_elastic = given[composition.struck_layer].material.shear.is_none();
+    let is_free = supports.iter().all(|support| faces(&support.surface).iter().all(|(axis, _)| *axis != 2));
+    let room = [0, 1].map(|axis| 0.5 * size[axis] - impactor.point[axis].abs());
+    let law = || {
+        let (stack, radius) = (Stack::new(&layers).filter(|_| is_elastic && is_free)?, impactor.radius?);
+        let sphere = Sphere { radius, modulus: 0.75 * stiffness / radius.sqrt() };
+        let longest = (PI / size[0].max(size[1])).min(LONGEST_WAVE / stack.thickness());
+        let energy = 0.5 * impactor.mass * impactor.speed.powi(2);
+        let disc = SoftLayer::disc(stack.thickness()).min(room[0]).min(room[1]);
+        Table::new(&stack.contact_law(&sphere, longest, disc, energy)?).ok()
+    };
+    law().map_or(SoftLayer::Untreated, |table| SoftLayer::Law(ForceLaw::Table(table)))
 }

@@ -9,7 +9,7 @@ use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
 use crate::form::elastic::displacement;
-use crate::scene::{Contact, Fault, Scene, Vec3, faces};
+use crate::scene::{Contact, Fault, Scene, SoftLayer, Vec3, faces};
 use crate::space::plate::crossing;
 
 /// Radius of the disc divided by the thickness: where the body is a plate around the impact point, and where it is not.
@@ -17,9 +17,6 @@ const DISC_OVER_THICKNESS: [f64; 2] = [2.0, 1.0];
 
 /// Safety factor on the radius at which the contact stiffness vanishes.
 const MARGIN: f64 = 1.25;
-
-/// Factor between discs that are tried on a soft layer.
-const WIDER: f64 = 1.2;
 
 /// Model of the loaded disc, over which the displacement is averaged too.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,26 +105,18 @@ impl PatchModel {
         // The moduli of a viscoelastic stack are those of one temperature. The disc does not depend on them, so that all
         // temperatures have the same cells.
         let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
-        let on_soft_layer = impactor.on_soft_layer.as_ref().filter(|_| given.is_none());
-        let parts = Description::new(scene).parts;
-        let stack =
-            stack(&parts, geometry, impactor.moduli_time()).filter(|_| is_wide_stack || on_soft_layer.is_some());
-        let spread = |disc: f64| Spread::new((radius / disc).min(1.0));
-        let of_stack =
-            |disc: f64| stack.as_ref().map_or(0.0, |stack| stack_beyond_half_space(stack, &spread(disc), disc));
-        if let Some(law) = on_soft_layer {
-            // The soft layer's own compliance is in the law, and the approach lacks it: on a narrow disc the contact would
-            // have negative stiffness.
-            let tangent = law.tangent(law.peak_indentation(impactor.mass, impactor.speed));
-            while MARGIN * tangent * (compliance(disc) + of_stack(disc)) > 1.0 && disc < room {
-                disc = (WIDER * disc).min(room);
-            }
+        let has_soft_law = impactor.soft_law().is_some() && given.is_none();
+        if has_soft_law {
+            disc = given_disc.unwrap_or(SoftLayer::disc(geometry.size[geometry.struck])).min(room);
         }
-        let (spread, of_stack) = (spread(disc), of_stack(disc));
-        // On a layer only a little softer than others, the contact law with this part may have negative stiffness on any
-        // disc. The layer is then treated as a half-space.
+        let spread = Spread::new((radius / disc).min(1.0));
+        let parts = Description::new(scene).parts;
+        let stack = stack(&parts, geometry, impactor.moduli_time()).filter(|_| is_wide_stack || has_soft_law);
+        let of_stack = stack.map_or(0.0, |stack| stack_beyond_half_space(&stack, &spread, disc));
+        // Under a soft layer on a stiff one, Hertz's law with this part may have negative stiffness on any disc. The layer
+        // is then treated as a half-space.
         let (wanted, _) = limits(disc, compliance(disc) + of_stack);
-        let is_kept = on_soft_layer.is_some() || of_stack <= 0.0 || MARGIN * wanted <= disc;
+        let is_kept = has_soft_law || of_stack <= 0.0 || MARGIN * wanted <= disc;
         let of_stack = if is_kept { of_stack } else { 0.0 };
         Ok(Self { patch, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
     }

@@ -22,6 +22,8 @@ pub struct BodyOf {
     initial: Initial,
     measure: Measure,
     stress: bool,
+    /// Whether the contact has the law of a soft layer, which takes a disc of its own.
+    has_soft_law: bool,
     /// Bulk moduli of the viscoelastic materials, Pa, as rounded text.
     bulk: Vec<String>,
     /// For each viscoelastic material, the index of the first one with the same chain. Materials with one chain share
@@ -82,6 +84,7 @@ impl BodyOf {
 
     fn relaxing_anyhow(scene: &Scene) -> Self {
         let Scene { mut body, supports, impactor, contact, load, time, output, measure, .. } = scene.clone();
+        let has_soft_law = impactor.soft_law().is_some();
         let Impactor { point, direction, .. } = impactor;
         let (mut bulk, mut chains, mut alike) = (Vec::new(), Vec::new(), Vec::new());
         for material in body.composition.materials_mut() {
@@ -95,7 +98,22 @@ impl BodyOf {
         }
         body.temperature = None;
         let (initial, stress, local, rates) = (time.initial, output.stress, Vec::new(), Vec::new());
-        Self { body, supports, point, direction, contact, load, initial, measure, stress, bulk, alike, local, rates }
+        Self {
+            body,
+            supports,
+            point,
+            direction,
+            contact,
+            load,
+            initial,
+            measure,
+            stress,
+            has_soft_law,
+            bulk,
+            alike,
+            local,
+            rates,
+        }
     }
 
     fn hash(&self) -> u64 {

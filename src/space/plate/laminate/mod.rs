@@ -16,7 +16,7 @@ use crate::form::layerwise::{LayerModuli, Profile};
 use crate::form::plate::Section;
 use crate::form::tensor::{Part as Derivative, Square};
 use crate::form::{Material, Spread};
-use crate::scene::Scene;
+use crate::scene::{Scene, SoftLayer};
 use crate::stack::{self, Layerwise, Stack};
 
 /// Smallest thickness of the impacted layer used for the radius of the disc, as a fraction of the thickness of the
@@ -110,7 +110,7 @@ impl Laminate {
         } else {
             Layerwise::new(&stack)
         };
-        let (spread, radius) = (Spread::new(0.0), disc(&thicknesses, geometry, settings));
+        let (spread, radius) = (Spread::new(0.0), disc(scene, &thicknesses, geometry, settings));
         let density = |part: &Part| part.material.instantaneous.density;
         let mass = parts.iter().zip(&thicknesses).map(|(part, h)| density(part) * h).sum();
         let profile = Profile::new(&thicknesses, is_mirrored);
@@ -244,10 +244,14 @@ fn of_scene(scene: &Scene) -> crate::error::Result<(Laminate, PlateGeometry)> {
 }
 
 /// Radius of the loaded disc, m. It is as for a plate made of the impacted layer alone, which may bend separately on a
-/// soft layer, and at most the distance to the edge.
-fn disc(thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
+/// soft layer, and at most the distance to the edge. Under a soft layer with its own law it is wider.
+fn disc(scene: &Scene, thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
     let layer = thicknesses[0].max(LEAST_LAYER * geometry.thickness);
-    (settings.disc_over(layer) * layer).min(geometry.distance_to_edge())
+    let radius = match scene.impactor.soft_law() {
+        Some(_) if settings.disc_radius.is_none() => SoftLayer::disc(geometry.thickness),
+        _ => settings.disc_over(layer) * layer,
+    };
+    radius.min(geometry.distance_to_edge())
 }
 
 /// Thickness (m) with which the distance from the impact point to the edge is compared: the thickness of the impacted

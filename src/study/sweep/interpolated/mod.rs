@@ -313,7 +313,7 @@ impl Interpolated {
     ) -> Result<Option<(ModalBody, Errors, Option<Readout>)>> {
         let is_alike = self.nodes.first().is_some_and(|node| {
             let of_all = &node.scene;
-            scene.impactor == of_all.impactor && scene.time == of_all.time
+            scene.impactor.is_like(&of_all.impactor) && scene.time == of_all.time
         });
         let (true, Some(of_interpolation)) = (is_alike, self.error_at(value)) else { return Ok(None) };
         let near: Vec<&Node> = self.nodes.iter().collect();
