@@ -48,7 +48,7 @@ impl SoftLayer {
     /// Radius (m) of the disc on which bodies with a soft layer's law carry the force, for a thickness of the body (m). On a
     /// narrower one the contact may have negative stiffness. The soft layer does not bend separately, as a ply does.
     pub fn disc(thickness: f64) -> f64 {
-        2.0 * thickness
+        3.0 * thickness
     }
 }
 
