@@ -86,8 +86,8 @@ impl ImpactParameters {
         }
         if law.ends() {
             return Err(Error::Solve(format!(
-                "the impactor has come to the end of the contact law (contact.table, or the law of a soft layer), an indentation of \
-                 {:.4e} m at a force of {:.4e} N: the table has to go on, or the impactor has to be lighter or slower",
+                "the impactor has come to the end of contact.table, or of the law of a soft layer, an indentation of {:.4e} m at a \
+                 force of {:.4e} N: the table has to go on, or the impactor has to be lighter or slower",
                 law.force_law.end(),
                 self.multiplicity * law.force(law.limit())
             )));
