@@ -88,7 +88,7 @@ impl LinearBody for Body {
             support_offset: self.support_offset,
             force: entries(&self.localization.vector)?,
             compliance: self.localization.compliance,
-            patch: self.localization.patch,
+            footprint: self.localization.footprint,
             translation: entries(&self.translation)?,
             is_free: self.is_free()?,
             hit_stress: self.hit_stress.iter().map(entries).collect::<Result<_>>()?,

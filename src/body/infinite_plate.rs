@@ -348,7 +348,7 @@ mod tests {
             support_offset: 0.0,
             compliance: 0.0,
             multiplicity: 1.0,
-            patch: None,
+            footprint: crate::contact::Footprint::Point,
             foundation: None,
             infinite_plate: Some(infinite_plate),
         }

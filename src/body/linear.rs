@@ -1,7 +1,7 @@
 //! The interface of a linear body for model reduction, for bodies held by one process ([`LocalBody`](super::LocalBody))
 //! or by PETSc ([`Body`](super::Body)).
 
-use crate::contact::Patch;
+use crate::contact::Footprint;
 use crate::error::Result;
 use crate::material::Maxwell;
 
@@ -45,8 +45,8 @@ pub struct Properties {
     pub force: Vec<f64>,
     /// Local compliance c_l of the contact law, m/N.
     pub compliance: f64,
-    /// Patch that carries the contact pressure, if there is one.
-    pub patch: Option<Patch>,
+    /// What carries the contact pressure.
+    pub footprint: Footprint,
     /// Rigid translation of the whole body by one unit in the impactor's direction.
     pub translation: Vec<f64>,
     /// Whether nothing resists this translation.

@@ -102,7 +102,7 @@ impl LinearBody for LocalBody {
             support_offset: system.support_offset,
             force: system.localization.clone(),
             compliance: system.compliance,
-            patch: system.patch,
+            footprint: system.footprint,
             translation: system.translation.clone(),
             is_free: system.support.is_none() && !is_held,
             hit_stress: system.hit_stress.clone(),

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use super::Projection;
 use super::modes::{Closed, Modes, Spectrum};
-use crate::contact::Patch;
+use crate::contact::Footprint;
 use crate::error::{Error, Result};
 use crate::material::Maxwell;
 
@@ -24,8 +24,8 @@ pub struct ModalBody {
     pub compliance: f64,
     /// Number of such parts that form the whole.
     pub multiplicity: f64,
-    /// Patch that carries the contact pressure, if there is one.
-    pub patch: Option<Patch>,
+    /// What carries the contact pressure.
+    pub footprint: Footprint,
 }
 
 /// Modes of a viscoelastic body. They are expensive, and runs of one scene often need the same ones.
@@ -45,23 +45,30 @@ impl ModalBody {
     /// Creates a body from given modes, all of which are used.
     pub fn given(modes: Modes) -> Self {
         let source = Source::Given(Rc::new(modes));
-        Self { source, relaxing: None, known: RefCell::default(), compliance: 0.0, multiplicity: 1.0, patch: None }
+        Self {
+            source,
+            relaxing: None,
+            known: RefCell::default(),
+            compliance: 0.0,
+            multiplicity: 1.0,
+            footprint: Footprint::Point,
+        }
     }
 
     /// Creates a body from its projection onto a basis.
     pub fn of(projection: &Projection) -> Self {
-        let Projection { compliance, multiplicity, patch, .. } = *projection;
+        let Projection { compliance, multiplicity, footprint, .. } = *projection;
         let source = Source::Spectrum(Box::new(Spectrum::new(projection)));
         let relaxing = (!projection.relaxations.is_empty()).then(|| Box::new(projection.clone()));
-        Self { source, relaxing, known: RefCell::default(), compliance, multiplicity, patch }
+        Self { source, relaxing, known: RefCell::default(), compliance, multiplicity, footprint }
     }
 
     /// Creates a body from its projection onto a basis, with the frequency ω (rad/s) of each vibration multiplied by
     /// `ratio` of it. Viscoelastic parts have their moduli at the shift of the basis.
     pub fn retuned(projection: &Projection, ratio: impl Fn(f64) -> f64) -> Self {
-        let Projection { compliance, multiplicity, patch, .. } = *projection;
+        let Projection { compliance, multiplicity, footprint, .. } = *projection;
         let source = Source::Spectrum(Box::new(Spectrum::new(projection).retuned(ratio)));
-        Self { source, relaxing: None, known: RefCell::default(), compliance, multiplicity, patch }
+        Self { source, relaxing: None, known: RefCell::default(), compliance, multiplicity, footprint }
     }
 
     /// Returns the body with other Prony series for its viscoelastic parts, in the same order, on the same basis.

@@ -98,7 +98,7 @@ impl Projected {
             support_offset: properties.support_offset,
             compliance: properties.compliance,
             multiplicity: properties.multiplicity,
-            patch: properties.patch,
+            footprint: properties.footprint,
             foundation: body.foundation(basis)?,
             infinite_plate: None,
         };

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CsrMatrix;
 
 use super::{FoundationPoints, InfinitePlate, ProjectedRelaxation, System};
-use crate::contact::Patch;
+use crate::contact::Footprint;
 use crate::material::Maxwell;
 
 /// Reduced body ÿ + C ẏ + (K_e + K_s) y = a F + f on a basis V with VᵀMV = 1, so that u = V y.
@@ -40,8 +40,8 @@ pub struct Projection {
     pub compliance: f64,
     /// Number of such parts that form the whole.
     pub multiplicity: f64,
-    /// Patch that carries the contact pressure, if there is one.
-    pub patch: Option<Patch>,
+    /// What carries the contact pressure.
+    pub footprint: Footprint,
     /// Unilateral foundations, whose springs are included in `support`.
     pub foundation: Option<FoundationPoints>,
     /// Infinite plate that replaces the shortest waves of the plate, if the basis is made for the longer ones only.
@@ -66,7 +66,7 @@ impl Projection {
             support_offset: self.support_offset,
             localization: self.force.as_slice().to_vec(),
             compliance: self.compliance,
-            patch: self.patch,
+            footprint: self.footprint,
             hit_stress: self.hit_stress.row_iter().map(|row| row.iter().copied().collect()).collect(),
             local_stress_per_newton: self.local_stress_per_newton,
             translation: self.translation.as_slice().to_vec(),
@@ -170,7 +170,7 @@ impl Projection {
             support_offset: self.support_offset,
             compliance: self.compliance,
             multiplicity: self.multiplicity,
-            patch: self.patch,
+            footprint: self.footprint,
             foundation: self.foundation.as_ref().map(|points| points.leading(count)),
             infinite_plate: self.infinite_plate.clone(),
         }

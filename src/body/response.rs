@@ -19,7 +19,7 @@ use super::modal::ModalBody;
 use super::modes::{Free, Mode, Modes};
 use super::shapes::{Forms, Shapes};
 use super::{BlockMatrix, Projection};
-use crate::contact::Patch;
+use crate::contact::Footprint;
 use numbers::Numbers;
 
 /// Least cosine of the angle between the residues of one vibration in two bodies, and largest relative change of its
@@ -53,7 +53,7 @@ pub struct Response {
     hit_stress: (DMatrix<f64>, [f64; 3]),
     compliance: f64,
     multiplicity: f64,
-    patch: Option<Patch>,
+    footprint: Footprint,
 }
 
 impl Response {
@@ -90,7 +90,7 @@ impl Response {
             hit_stress: (projection.hit_stress.clone(), projection.local_stress_per_newton),
             compliance: projection.compliance,
             multiplicity: projection.multiplicity,
-            patch: projection.patch,
+            footprint: projection.footprint,
         }
     }
 
@@ -294,7 +294,7 @@ impl Interpolant {
         let forms = Forms { damped: Some([places, DMatrix::zeros(0, count)].map(BlockMatrix::whole)), ..Forms::none() };
         let modes = Modes { modes, free, residual, rest: 0.0, forms, shapes, hit_stress, foundation: None };
         let mut body = ModalBody::given(modes);
-        (body.compliance, body.multiplicity, body.patch) = (compliance, all[0].multiplicity, all[0].patch);
+        (body.compliance, body.multiplicity, body.footprint) = (compliance, all[0].multiplicity, all[0].footprint);
         body
     }
 }
@@ -439,7 +439,7 @@ mod tests {
                 hit_stress: (DMatrix::zeros(0, 3), [0.0; 3]),
                 compliance: 1.0,
                 multiplicity: 4.0,
-                patch: None,
+                footprint: Footprint::Point,
             }
         };
         let bodies = [0.0, 1.0, 2.0, 3.0].map(body);

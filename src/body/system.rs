@@ -5,7 +5,7 @@ use std::rc::Rc;
 use nalgebra_sparse::CsrMatrix;
 use petsc_wrap::{Comm, Int, Matrix, Vector};
 
-use crate::contact::{Localization, Patch};
+use crate::contact::{Footprint, Localization};
 use crate::error::Result;
 use crate::form::tensor::SumFactorised;
 use crate::material::Maxwell;
@@ -46,8 +46,8 @@ pub struct System {
     pub localization: Vec<f64>,
     /// Local compliance c of the contact law α = δ + c F, m/N, of the modelled part.
     pub compliance: f64,
-    /// Contact patch of a body of solid elements.
-    pub patch: Option<Patch>,
+    /// What carries the contact pressure.
+    pub footprint: Footprint,
     /// Stresses σ_a, σ_b and σ_ab, Pa, on the face opposite the impact point, along its axes, as linear forms. Empty if
     /// they are not read.
     pub hit_stress: Vec<Vec<f64>>,
@@ -119,7 +119,7 @@ impl Body {
                 vector: vector(&system.localization)?,
                 entries,
                 compliance: system.compliance,
-                patch: system.patch,
+                footprint: system.footprint,
             },
             rigid_motions: None,
             method: Method::Cholesky,

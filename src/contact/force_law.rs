@@ -103,7 +103,7 @@ impl ForceLaw {
         }
     }
 
-    /// Largest tangent up to an indentation (m), N/m; for tables an upper bound.
+    /// Largest tangent up to an indentation (m), N/m.
     pub fn steepest(&self, indentation: f64) -> f64 {
         if let Self::Table(table) = self { table.steepest(indentation) } else { self.tangent(indentation) }
     }

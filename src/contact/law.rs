@@ -46,8 +46,18 @@ impl Law {
     /// Approach (m) beyond which the law is not valid, because it softens or its table ends; infinite if it is always
     /// valid.
     pub fn limit(&self) -> f64 {
-        let least = self.softening().min(self.force_law.end());
+        let least = self.largest_indentation();
         if least.is_infinite() { least } else { self.approach(least) }
+    }
+
+    /// Indentation (m) at [`Self::limit`].
+    fn largest_indentation(&self) -> f64 {
+        self.softening().min(self.force_law.end())
+    }
+
+    /// Whether the law is valid at an indentation (m), apart from rounding.
+    pub fn admits(&self, indentation: f64) -> bool {
+        indentation <= (1.0 + 1e-9) * self.largest_indentation()
     }
 
     /// Indentation (m) at which Φ′ c_l reaches [`LIMIT`].

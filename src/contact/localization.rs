@@ -1,6 +1,7 @@
 //! The localisation vector a of (14) (contact force vector).
 
 use petsc_wrap::{Int, Vector};
+use serde::{Deserialize, Serialize};
 
 use super::Patch;
 
@@ -14,6 +15,24 @@ pub struct Localization {
     /// Local compliance c_l, m/N: the part of aᵀu for F = 1 N that Hertz's law already contains, α = δ + c_l F; 0 for a
     /// point force.
     pub compliance: f64,
-    /// The patch, if the force acts on one.
-    pub patch: Option<Patch>,
+    /// What carries the force.
+    pub footprint: Footprint,
+}
+
+/// What carries the contact force on the surface of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Footprint {
+    /// One point, in a theory without a local field or as in the paper.
+    Point,
+    /// A patch of a given radius, on which the contact pressure is Hertz's.
+    Patch(Patch),
+    /// A disc wider than the contact. The local compliance is that of the limit of a small patch.
+    Disc,
+}
+
+impl Footprint {
+    /// The patch, if there is one.
+    pub fn patch(self) -> Option<Patch> {
+        if let Self::Patch(patch) = self { Some(patch) } else { None }
+    }
 }

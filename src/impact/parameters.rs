@@ -1,7 +1,7 @@
 //! Parameters of the impactor and of the contact.
 
 use crate::body::Body;
-use crate::contact::Law;
+use crate::contact::{Footprint, Law};
 use crate::error::{Error, Result};
 use crate::scene;
 
@@ -21,6 +21,8 @@ pub struct ImpactParameters {
     pub weight: f64,
     /// Contact law Φ(δ) of the modelled part.
     pub law: Law,
+    /// What carries the force.
+    pub footprint: Footprint,
     /// Number n of equal parts of the whole body.
     pub multiplicity: f64,
 }
@@ -28,23 +30,24 @@ pub struct ImpactParameters {
 impl ImpactParameters {
     /// Returns the parameters of an impactor on a body.
     pub fn new(impactor: &scene::Impactor, body: &Body) -> Self {
-        let has_patch = body.localization.patch.is_some();
-        Self::of(impactor, body.multiplicity, (body.localization.compliance, has_patch))
+        Self::of(impactor, body.multiplicity, (body.localization.compliance, body.localization.footprint))
     }
 
-    /// Returns the parameters of an impactor on one of `multiplicity` parts of a body; `compliance` is c_l of the contact
-    /// law, m/N, and `has_patch` says whether the force acts on a patch of a given radius.
-    pub fn of(impactor: &scene::Impactor, multiplicity: f64, (compliance, has_patch): (f64, bool)) -> Self {
-        // A soft layer's law is for bodies whose compliance c_l is that of the limit of a small patch. Point forces on a
-        // mesh and theories without a local field have none.
-        let soft_law = impactor.soft_law().filter(|_| !has_patch && compliance != 0.0);
-        let force_law = soft_law.unwrap_or(&impactor.force_law);
+    /// Returns the parameters of an impactor on one of `multiplicity` parts of a body. `compliance` is c_l of Hertz's law on
+    /// that part, m/N.
+    pub fn of(impactor: &scene::Impactor, multiplicity: f64, (compliance, footprint): (f64, Footprint)) -> Self {
+        let soft = impactor.soft_contact().filter(|_| footprint == Footprint::Disc);
+        let (force_law, compliance) = match soft {
+            Some(soft) => (&soft.force_law, compliance - multiplicity * soft.compliance),
+            None => (&impactor.force_law, compliance),
+        };
         Self {
             mass: impactor.mass / multiplicity,
             speed: impactor.speed,
             gap: impactor.gap,
             weight: impactor.mass / multiplicity * impactor.gravity,
             law: Law { force_law: force_law.part(multiplicity), compliance, damping: impactor.damping },
+            footprint,
             multiplicity,
         }
     }
@@ -60,14 +63,16 @@ impl ImpactParameters {
         self.law.force_law.peak_force(self.mass, self.speed) * (1.0 + self.law.damping * self.speed)
     }
 
-    /// Checks that the contact law is valid at an approach (m) and its rate (m/s).
+    /// Checks that the contact law is valid at an approach (m), its rate (m/s) and its force (N).
     ///
     /// # Errors
     /// [`Error::Solve`] if the approach is beyond the limit of the law; [`Error::Unstable`] if no impact can reach this
     /// approach.
-    pub(super) fn admit(&self, approach: f64, rate: f64) -> Result<()> {
+    pub(super) fn admit(&self, approach: f64, rate: f64, force: f64) -> Result<()> {
         let law = self.law.at_rate(approach, rate);
-        if approach <= law.limit() || approach.is_nan() || rate.is_nan() {
+        // Beyond the limit the approach may decrease again while the indentation increases.
+        let is_within = approach <= law.limit() && law.admits(law.indentation(approach, force));
+        if is_within || approach.is_nan() || rate.is_nan() {
             return Ok(());
         }
         if law.limit() == 0.0 {
@@ -92,9 +97,17 @@ impl ImpactParameters {
                 self.multiplicity * law.force(law.limit())
             )));
         }
+        let (what, remedy) = match self.footprint {
+            Footprint::Disc => {
+                ("too wide for the disc that carries the force", "`body.model = \"solid\"` with a contact.patch_radius")
+            }
+            Footprint::Patch(_) | Footprint::Point => {
+                ("as wide as the patch that stands for it", "A larger contact.patch_radius")
+            }
+        };
         Err(Error::Solve(format!(
-            "the contact is as wide as the patch that stands for it: at a force of {:.4e} N the law's stiffness would turn \
-             negative. A larger contact.patch_radius is needed, more than 1.2 (E*/E') times the contact's radius",
+            "the contact is {what}: at a force of {:.4e} N the law's stiffness would turn negative. {remedy} is needed, more than \
+             1.2 (E*/E') times the contact's radius",
             self.multiplicity * law.force(law.limit())
         )))
     }

@@ -114,7 +114,7 @@ impl Reader {
                 Some(faces) => Some((gather(&faces.columns)?, faces.clone())),
                 None => None,
             },
-            contact: readout.contact,
+            contact: readout.contact.clone(),
             is_here: readout.is_here(),
         })
     }

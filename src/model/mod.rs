@@ -110,8 +110,8 @@ impl Dynamics {
     /// The patch under the impactor, if there is one.
     pub fn patch(&self) -> Option<Patch> {
         match self {
-            Self::Stepped(body) => body.localization.patch,
-            Self::Modal(body) => body.patch,
+            Self::Stepped(body) => body.localization.footprint.patch(),
+            Self::Modal(body) => body.footprint.patch(),
         }
     }
 }

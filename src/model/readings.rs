@@ -55,7 +55,7 @@ impl Gauges {
         let mut faces = faces.map_or_else(FaceStresses::default, |evaluator| evaluator.faces(scene, basis));
         let contact = ContactSize::new(scene);
         let sampler = evaluator.filter(|_| scene.output.fields.is_some());
-        let sampler = sampler.map(|evaluator| FieldSampler::new(&evaluator, contact, basis));
+        let sampler = sampler.map(|evaluator| FieldSampler::new(&evaluator, contact.clone(), basis));
         faces.columns = all.clone();
         let readout = Readout {
             probes,

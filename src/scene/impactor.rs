@@ -1,5 +1,7 @@
 //! The rigid impactor with one degree of freedom.
 
+use std::sync::Arc;
+
 use super::Vec3;
 use crate::contact::ForceLaw;
 
@@ -15,7 +17,7 @@ pub struct Impactor {
     pub stiffness: f64,
     /// Contact law F(α).
     pub force_law: ForceLaw,
-    /// Contact with a layer that is much softer than others of the body.
+    /// Contact with a layer that is softer than others of the body.
     pub soft_layer: SoftLayer,
     /// Damping d of Hunt and Crossley's factor 1 + d α̇, s/m.
     pub damping: f64,
@@ -31,31 +33,54 @@ pub struct Impactor {
     pub gravity: f64,
 }
 
-/// Contact with an impacted layer that is much softer than others of the body.
+/// Contact with an impacted layer that is softer than others of the body.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SoftLayer {
     /// The impacted layer is not soft, or Hertz's law is not asked for.
     None,
-    /// Law in place of F(α) on plates, and on spline solids without a patch of a given radius. α is the approach minus the
-    /// deflection under a point force.
-    Law(ForceLaw),
-    /// The layer is treated as a half-space, which is inaccurate: it is viscoelastic or thin compared with the contact, or
-    /// the hit is near an edge, or a face of the box is supported.
+    /// Law on plates, and on spline solids without a patch of a given radius.
+    Law(Arc<SoftContact>),
+    /// The layer is treated as a half-space, which is inaccurate: it is viscoelastic, or the hit is near an edge, or a face
+    /// of the box is supported.
     Untreated,
 }
 
+/// Contact with a soft layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SoftContact {
+    /// Law in place of F(α). Its indentation is the approach minus the mean displacement of the loaded disc on an infinite
+    /// plate.
+    pub force_law: ForceLaw,
+    /// Part of a body's local compliance c_l (m/N) that this law leaves out, because its indentation is not that of Hertz's
+    /// law.
+    pub compliance: f64,
+    /// Forces (N) with the contact radius (m) at each.
+    pub radii: Vec<[f64; 2]>,
+}
+
+impl SoftContact {
+    /// Contact radius (m) at a force (N): a power of the force between the known ones.
+    pub fn radius(&self, force: f64) -> f64 {
+        let number = self.radii.partition_point(|[at, _]| *at < force).clamp(1, self.radii.len() - 1);
+        let ([f0, r0], [f1, r1]) = (self.radii[number - 1], self.radii[number]);
+        // From the first touch on the contact is Hertz's.
+        let exponent = if f0 > 0.0 { (r1 / r0).ln() / (f1 / f0).ln() } else { 1.0 / 3.0 };
+        r1 * (force.max(0.0) / f1).powf(exponent)
+    }
+}
+
 impl SoftLayer {
-    /// Radius (m) of the disc on which bodies with a soft layer's law carry the force, for a thickness of the body (m). On a
-    /// narrower one the contact may have negative stiffness. The soft layer does not bend separately, as a ply does.
+    /// Radius (m) of the disc on which bodies with a soft layer's law carry the force, for a thickness of the body (m). A
+    /// wide disc takes few cells, and the law for it reaches larger forces. The soft layer does not bend separately, as a ply does.
     pub fn disc(thickness: f64) -> f64 {
         3.0 * thickness
     }
 }
 
 impl Impactor {
-    /// The law of a soft layer, if there is one.
-    pub fn soft_law(&self) -> Option<&ForceLaw> {
-        if let SoftLayer::Law(law) = &self.soft_layer { Some(law) } else { None }
+    /// The contact with a soft layer, if it has a law of its own.
+    pub fn soft_contact(&self) -> Option<&Arc<SoftContact>> {
+        if let SoftLayer::Law(contact) = &self.soft_layer { Some(contact) } else { None }
     }
 
     /// Whether another impactor has the same motion and the same contact law on a hard body.

@@ -12,9 +12,18 @@ const HALF_SPACE: f64 = 22.0;
 /// Largest number of panels that are integrated as one interval.
 const MOST_PANELS: f64 = 10.0;
 
+/// Value of ξR, R the radius of the disc, above which the square of the pressure's transform is at most 1e-6, so that its
+/// oscillations need no narrow panels.
+const SMOOTH: f64 = 60.0;
+
+/// Width of the panels over the wavenumber, above [`SMOOTH`].
+const PANEL_OVER_WAVENUMBER: f64 = 0.25;
+
 /// Loaded face of a stack under a pressure on a disc.
 pub(super) struct LoadedFace<'a> {
     stack: &'a Stack,
+    /// Radius of the disc, m.
+    radius: f64,
     /// Width of the panels of integrals over wavenumbers, 1/m.
     panel: f64,
 }
@@ -22,7 +31,7 @@ pub(super) struct LoadedFace<'a> {
 impl<'a> LoadedFace<'a> {
     /// Face of a stack under a pressure on a disc of a radius (m).
     pub fn new(stack: &'a Stack, radius: f64) -> Self {
-        Self { stack, panel: (FRAC_PI_2 / radius).min(1.0 / stack.layers()[0].thickness) }
+        Self { stack, radius, panel: (FRAC_PI_2 / radius).min(1.0 / stack.layers()[0].thickness) }
     }
 
     /// Response Γ − H to a pressure of the wavenumber ξ (1/m), beyond the response H of the half-space, m/Pa.
@@ -45,9 +54,13 @@ impl<'a> LoadedFace<'a> {
     /// slide far below ξ = 1/H, H being the thickness of the stack.
     pub fn integrate(&self, mut from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
         let mut sum = 0.0;
+        // A thin layer responds like the half-space from very short waves on only.
+        let widest = 1.0 / self.stack.layers()[0].thickness;
         while from < to {
-            let end = (2.0 * from).min(from + MOST_PANELS * self.panel).min(to);
-            sum += integrate(from, end, self.panel, &f);
+            let is_smooth = from * self.radius > SMOOTH;
+            let panel = if is_smooth { self.panel.max((PANEL_OVER_WAVENUMBER * from).min(widest)) } else { self.panel };
+            let end = (2.0 * from).min(from + MOST_PANELS * panel).min(to);
+            sum += integrate(from, end, panel, &f);
             from = end;
         }
         sum

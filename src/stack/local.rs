@@ -99,6 +99,10 @@ pub(super) const HERTZ_DEPTH_FRACTION: f64 = 0.9;
 /// Exponent ξz at which the sum over wavenumbers is truncated. The error is 1e-7 of a stress of 1/z².
 pub(super) const END: f64 = 22.0;
 
+/// Least depth at which all waves are summed, as a fraction of the largest contact radius r_c. The sum ends at ξr_c = 1200, where
+/// the transform of the pressure is 2e-6.
+const LEAST_DEPTH_OVER_CONTACT: f64 = 0.02;
+
 /// Number of Gauss points on one panel of wavenumbers.
 const POINTS: usize = 32;
 /// Largest phase of the waves over one panel, rad. The error of the rule is (e·PANEL/(8·POINTS))^{2·POINTS} = 1e-12.
@@ -193,7 +197,7 @@ impl LocalField {
     fn with_contacts(reach: f64, stack: Stack, carrier: Carrier, (largest, chebyshev): (f64, Chebyshev)) -> Self {
         let height = stack.thickness();
         let (rule, few) = (gauss_legendre(POINTS), gauss_legendre(FEW_POINTS));
-        let (fine, panels) = panels(&stack, reach + carrier.reach() + largest);
+        let (fine, panels) = panels(&stack, reach + carrier.reach() + largest, LEAST_DEPTH_OVER_CONTACT * largest);
         let mut nodes = Vec::new();
         for (number, ends) in panels.windows(2).enumerate() {
             let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
@@ -244,15 +248,15 @@ impl LocalField {
     }
 }
 
-/// Number of fine panels, and the ends of all panels, 1/m, for waves over the given length (m). Panels are finer
-/// towards 0, where the stiff layers of a stack with a soft layer begin to slide on each other.
-fn panels(stack: &Stack, length: f64) -> (usize, Vec<f64>) {
+/// Number of fine panels, and the ends of all panels, 1/m, for waves over the given length (m) at depths of at least `depth` (m).
+/// Panels are finer towards 0, where the stiff layers of a stack with a soft layer begin to slide on each other.
+fn panels(stack: &Stack, length: f64, depth: f64) -> (usize, Vec<f64>) {
     let moduli = stack.layers().iter().map(|layer| layer.young);
     let (least, most) = moduli.fold((f64::INFINITY, 0.0_f64), |(least, most), e| (least.min(e), most.max(e)));
     // Panels are wide, so there is one more refinement if the moduli differ.
     let quarterings = (1.0 + (most / least).log(16.0)).ceil() as i32;
     let quarterings = if quarterings > 1 { quarterings } else { 0 };
-    let end = END / (HERTZ_DEPTH_FRACTION * stack.layers()[0].thickness);
+    let end = END / (HERTZ_DEPTH_FRACTION * stack.layers()[0].thickness).max(depth);
     let count = (end * length / PANEL).ceil().max(1.0);
     let width = end / count;
     let fine = (1..=quarterings).rev().map(|i| width * 0.25_f64.powi(i));

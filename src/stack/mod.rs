@@ -32,7 +32,7 @@ mod transverse;
 mod wave;
 
 pub use flexural_wave::flexural_frequency;
-pub use indentation::Sphere;
+pub use indentation::{ContactLaw, ContactPoint, Sphere};
 pub use layerwise::{Layerwise, LayerwiseWave};
 pub use level::Level;
 pub use local::{Carrier, LocalField, Sections};

@@ -88,6 +88,6 @@ pub fn refused(mesh: &Mesh, scene: &Scene, radius: Option<f64>) -> Fault {
             *fault
         }
         Err(error) => panic!("{error}"),
-        Ok(a) => panic!("accepted: {:?}", a.patch),
+        Ok(a) => panic!("accepted: {:?}", a.footprint.patch()),
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Response;
 use crate::body::modes::Free;
 use crate::body::shapes::Shapes;
-use crate::contact::Patch;
+use crate::contact::Footprint;
 
 /// Plain numbers of a [`Response`].
 #[derive(Serialize, Deserialize)]
@@ -25,12 +25,12 @@ pub struct Numbers {
     local_stress_per_newton: [f64; 3],
     compliance: f64,
     multiplicity: f64,
-    patch: Option<Patch>,
+    footprint: Footprint,
 }
 
 impl From<Response> for Numbers {
     fn from(response: Response) -> Self {
-        let Response { end, modes, places, free, residual, others, hit_stress, compliance, multiplicity, patch } =
+        let Response { end, modes, places, free, residual, others, hit_stress, compliance, multiplicity, footprint } =
             response;
         let Shapes { free: [way, of_load], residual: of_force, rest, .. } = others;
         Self {
@@ -44,7 +44,7 @@ impl From<Response> for Numbers {
             local_stress_per_newton: hit_stress.1,
             compliance,
             multiplicity,
-            patch,
+            footprint,
         }
     }
 }
@@ -62,7 +62,7 @@ impl From<Numbers> for Response {
             local_stress_per_newton,
             compliance,
             multiplicity,
-            patch,
+            footprint,
         } = numbers;
         let [way, of_load, of_force, rest] = others.map(DVector::from_vec);
         let vectors = way.len();
@@ -78,7 +78,7 @@ impl From<Numbers> for Response {
             hit_stress: (DMatrix::from_vec(rows, vectors, hit_stress), local_stress_per_newton),
             compliance,
             multiplicity,
-            patch,
+            footprint,
         }
     }
 }

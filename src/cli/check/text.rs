@@ -170,7 +170,7 @@ fn law(impactor: &Impactor) -> String {
             format!("force by a table of {} points up to {} m", table.points().len(), short(table.end()))
         }
     };
-    let law = match impactor.soft_law() {
+    let law = match impactor.soft_contact() {
         Some(_) => format!(
             "{law}, on plates and on spline solids without contact.patch_radius the law of a sphere on the soft layer"
         ),

@@ -219,9 +219,8 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     match &impactor.force_law {
         ForceLaw::Hertz(_) => {
             if impactor.soft_layer == SoftLayer::Untreated {
-                let text = "the layer that is hit is much softer than another, and Hertz's law of a half-space is used, with an error that \
-                            is not estimated: the layer is viscoelastic or thin compared with the contact, or the hit is near an edge, or a face is \
-                            supported";
+                let text = "the layer that is hit is softer than another, and Hertz's law of a half-space is used, with an error that \
+                            is not estimated: the layer is viscoelastic, or the hit is near an edge, or a face is supported";
                 add("soft layer", 1.0, text.to_owned());
             }
             let of_contact = impactor.radius.map_or(0.0, |radius| (radius * indentation).sqrt());

@@ -284,7 +284,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             // While the bodies are apart, the law is always valid.
             if shown > 0.0 {
                 let rate = motion.rate() - modes.residual * motion.rise();
-                parameters.admit(shown, rate).map_err(|error| at(error, number, time))?;
+                parameters.admit(shown, rate, motion.force).map_err(|error| at(error, number, time))?;
             }
             if number > MOST_STEPS {
                 return Err(Error::Solve(format!("more than {MOST_STEPS} steps up to t = {time:.6e} s")));
@@ -345,5 +345,5 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
 }
 
 fn parameters(impactor: &Impactor, body: &ModalBody) -> ImpactParameters {
-    ImpactParameters::of(impactor, body.multiplicity, (body.compliance, body.patch.is_some()))
+    ImpactParameters::of(impactor, body.multiplicity, (body.compliance, body.footprint))
 }

@@ -110,7 +110,7 @@ impl<'a> Reader<'a> {
             probes,
             fields: fields.map(|(every, _)| *every),
             faces,
-            contact: readout.contact,
+            contact: readout.contact.clone(),
             is_here: readout.is_here(),
         }
     }

@@ -50,7 +50,8 @@ impl Trajectory {
     ) -> Result<usize> {
         let (number, wrong) = (self.steps + 1, |error| at(error, self.steps + 1, time));
         let (exchange, iterations) = stepper.advance(body, parameters, &self.now, &mut self.next).map_err(wrong)?;
-        parameters.admit(self.next.approach, self.next.rate).map_err(wrong)?;
+        let Moment { approach, rate, .. } = self.next;
+        parameters.admit(approach, rate, parameters.force(approach, rate)).map_err(wrong)?;
         self.energy_balance.account(exchange);
         std::mem::swap(&mut self.now, &mut self.next);
         (self.time, self.steps) = (time, number);

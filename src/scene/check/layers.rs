@@ -6,9 +6,14 @@ use super::grid::Hit;
 /// Number of cells across the impacted layer. It sets the cell size of the other layers.
 const EACH: f64 = 2.0;
 
+/// Least thickness of the impacted layer that sets the cell size of the others, as a fraction of the whole thickness.
+const LEAST: f64 = 0.01;
+
 /// Cells of equal size in each layer. The impacted layer (thickness `struck`, m) has two; the others have a number in
 /// proportion to their thickness, at least one.
 pub(super) fn uniform(interfaces: &[f64], struck: f64) -> Vec<f64> {
+    let total = interfaces.last().zip(interfaces.first()).map_or(0.0, |(high, low)| high - low);
+    let struck = struck.max(LEAST * total);
     let cells = |thickness: f64| (EACH * thickness / struck).round().max(1.0) as usize;
     cut(interfaces, |_, thickness| cells(thickness))
 }
@@ -88,6 +93,12 @@ mod tests {
     use super::*;
 
     const INTERFACES: [f64; 4] = [-0.0104, -0.0004, 0.0004, 0.0104];
+
+    /// A coat of a millionth of the thickness does not divide the other layer into millions of cells.
+    #[test]
+    fn thin_coats_leave_the_other_cells_large() {
+        assert!(uniform(&[-0.005, 0.005 - 1e-8, 0.005], 1e-8).len() < 220);
+    }
 
     #[test]
     fn interfaces_are_planes() {

@@ -257,9 +257,10 @@ pub(super) fn of_box(
     let is_smoothed = |x: Vec3| is_hit(x) && near.is_some_and(|near| near.is_smoothed(x, size));
     let has_hit = is_smoothed(hit);
     let is_left_out = |x: &Vec3| {
-        has_hit
+        let is_near = has_hit
             && !is_hit(*x)
-            && near.is_some_and(|near| near.distance(*x) < NEAR_HIT_OVER_THICKNESS * near.thickness())
+            && near.is_some_and(|near| near.distance(*x) < NEAR_HIT_OVER_THICKNESS * near.thickness());
+        is_near || near.is_some_and(|near| near.is_under_soft_contact(*x))
     };
     let local = |points: &[Vec3]| -> Vec<(usize, LocalPoint)> {
         let reached = points.iter().enumerate().filter_map(|(number, x)| {

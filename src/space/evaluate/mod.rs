@@ -261,7 +261,7 @@ impl Evaluator {
         if !self.is_smoothed(points.as_ref(), x) {
             return None;
         }
-        let radius = ContactSize::new(scene).radius(scene.impactor.peak_indentation());
+        let radius = ContactSize::new(scene).at_peak(&scene.impactor);
         let local = near.lack_under_hit(radius);
         let stress = self.stress(points.as_ref(), x);
         let [a, b] = along(near.struck);

@@ -3,9 +3,10 @@
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::form::{Material, Spread};
-use crate::scene::{Contact, Geometry, Impactor, Scene, Vec3, faces};
+use crate::scene::{Contact, Geometry, Impactor, Scene, SoftContact, Vec3, faces};
 use crate::stack::{Carrier, Cylindrical, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack};
 
 /// Distance from the impact point, divided by the thickness, within which stresses are evaluated as means over a disc.
@@ -84,12 +85,14 @@ impl Hit {
 }
 
 /// Size of the contact area.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactSize {
     /// Radius of curvature R of Hertz's contact, m; the contact radius is √(Rα).
     pub curvature: Option<f64>,
     /// Prescribed contact radius, m.
     pub given: f64,
+    /// Contact with a soft layer, whose radius is not Hertz's.
+    pub soft: Option<Arc<SoftContact>>,
 }
 
 /// State of the contact at one time.
@@ -114,6 +117,8 @@ pub struct NearHit {
     /// Distances of the impact point from the edges, m.
     edges: [f64; 4],
     largest: f64,
+    /// Whether the impacted layer is soft and has its own contact law.
+    has_soft_contact: bool,
     by_sections: OnceCell<LocalField>,
     as_it_is: OnceCell<LocalField>,
     /// Field of the patch load of a mesh minus the field of a wide disc on a plate. Stress recovery cannot reproduce
@@ -154,24 +159,29 @@ impl ContactSize {
     /// point.
     pub fn new(scene: &Scene) -> Self {
         match scene.contact {
-            Contact::Patch { radius: Some(given), .. } => Self { curvature: None, given },
-            _ => Self { curvature: scene.impactor.radius, given: 0.0 },
+            Contact::Patch { radius: Some(given), .. } => Self { curvature: None, given, soft: None },
+            _ => Self { curvature: scene.impactor.radius, given: 0.0, soft: scene.impactor.soft_contact().cloned() },
         }
     }
 
-    /// Contact radius at an indentation, m.
-    pub fn radius(&self, indentation: f64) -> f64 {
-        self.curvature.map_or(self.given, |curvature| (curvature * indentation.max(0.0)).sqrt())
+    /// Contact radius (m) under a force (N) with an indentation (m).
+    fn radius(&self, force: f64, indentation: f64) -> f64 {
+        match (&self.soft, self.curvature) {
+            (Some(soft), _) => soft.radius(force),
+            (None, Some(curvature)) => (curvature * indentation.max(0.0)).sqrt(),
+            (None, None) => self.given,
+        }
     }
 
     /// Contact under a force (N) with an indentation (m).
     pub fn now(&self, force: f64, indentation: f64) -> ContactNow {
-        ContactNow { force, radius: self.radius(indentation) }
+        ContactNow { force, radius: self.radius(force, indentation) }
     }
 
-    /// Upper estimate of the contact radius, m.
-    fn largest(&self, impactor: &Impactor) -> f64 {
-        WIDEST * self.radius(impactor.peak_indentation())
+    /// Contact radius (m) at the peak of an impact on a fixed half-space.
+    pub fn at_peak(&self, impactor: &Impactor) -> f64 {
+        let force_law = self.soft.as_ref().map_or(&impactor.force_law, |soft| &soft.force_law);
+        self.radius(force_law.peak_force(impactor.mass, impactor.speed), impactor.peak_indentation())
     }
 }
 
@@ -189,7 +199,7 @@ impl NearHit {
                 Stack::new(&[Layer { thickness: size[struck], young, poisson }])?
             }
         };
-        let point = scene.impactor.point;
+        let (point, contact) = (scene.impactor.point, ContactSize::new(scene));
         let [one, other] = [(struck + 1) % 3, (struck + 2) % 3];
         let edges = [(one, 1.0), (one, -1.0), (other, 1.0), (other, -1.0)];
         let edges = edges.map(|(axis, sign)| 0.5 * size[axis] + sign * point[axis]);
@@ -202,7 +212,8 @@ impl NearHit {
             struck,
             point,
             edges,
-            largest: ContactSize::new(scene).largest(&scene.impactor).max(LEAST_TABLE * size[struck]),
+            largest: (WIDEST * contact.at_peak(&scene.impactor)).max(LEAST_TABLE * size[struck]),
+            has_soft_contact: contact.soft.is_some(),
             by_sections: OnceCell::new(),
             as_it_is: OnceCell::new(),
             patch: OnceCell::new(),
@@ -262,6 +273,12 @@ impl NearHit {
     /// Distance of a point from the line of the force, m.
     pub fn distance(&self, x: Vec3) -> f64 {
         (0..3).filter(|&axis| axis != self.struck).map(|axis| (x[axis] - self.point[axis]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Whether a point is the impact point on a soft layer. There the stress without Hertz's field, which is reported separately, is
+    /// a tension that does not exist: the layer is compressed between the impactor and the stiffer layers.
+    pub fn is_under_soft_contact(&self, x: Vec3) -> bool {
+        self.has_soft_contact && (0..3).all(|axis| (x[axis] - self.point[axis]).abs() <= 1e-6 * self.thickness())
     }
 
     /// Whether stresses at a point are evaluated as means; the averaging disc must lie within the body.

@@ -2,7 +2,7 @@
 
 use petsc_wrap::{Insert, Int, Vector};
 
-use crate::contact::Localization;
+use crate::contact::{Footprint, Localization};
 use crate::error::Result;
 use crate::mesh::{Mesh, Site};
 use crate::scene::{Fault, Impactor, Vec3};
@@ -23,7 +23,7 @@ impl Localization {
             entries.iter().copied().filter(|(index, _)| here.contains(index)).unzip();
         vector.set_values(&indices, &values, Insert::Replace)?;
         vector.assemble()?;
-        Ok(Self { vector, entries, compliance: 0.0, patch: None })
+        Ok(Self { vector, entries, compliance: 0.0, footprint: Footprint::Point })
     }
 }
 

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use petsc_wrap::Int;
 
 use super::location::site;
-use crate::contact::{Localization, Patch, Reason, limits, unit_compliance};
+use crate::contact::{Footprint, Localization, Patch, Reason, limits, unit_compliance};
 use crate::error::Result;
 use crate::form::PressureForms;
 use crate::mesh::{Mesh, Site};
@@ -53,7 +53,11 @@ impl Localization {
             None => fit(mesh, &axes, chosen, least)?,
         };
         let compliance = multiplicity * unit_compliance / patch.radius;
-        Ok(Self { compliance, patch: Some(patch), ..Self::of_nodes(mesh, &weights, impactor.direction)? })
+        Ok(Self {
+            compliance,
+            footprint: Footprint::Patch(patch),
+            ..Self::of_nodes(mesh, &weights, impactor.direction)?
+        })
     }
 }
 

@@ -34,6 +34,7 @@ use super::SurfaceTerms;
 use super::grid::GridSpace;
 use super::parity::repeated;
 use crate::body::{Operator, System};
+use crate::contact::Footprint;
 use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
@@ -313,7 +314,7 @@ impl Plate {
             support_offset: terms.support_offset,
             localization: location::localization(&points),
             compliance: if compliance == 0.0 { 0.0 } else { -compliance * multiplicity },
-            patch: None,
+            footprint: if compliance == 0.0 { Footprint::Point } else { Footprint::Disc },
             hit_stress: Vec::new(),
             local_stress_per_newton: [0.0; 3],
             infinite_plate,

@@ -139,7 +139,7 @@ impl SplineSolid {
             support_offset: terms.support_offset,
             localization: patch.localization(&geometry, &points, description.direction),
             compliance: multiplicity * patch.compliance,
-            patch: patch.patch,
+            footprint: patch.footprint,
             hit_stress: Vec::new(),
             local_stress_per_newton: [0.0; 3],
             infinite_plate: None,

@@ -4,7 +4,7 @@ use super::Points;
 use super::geometry::BoxGeometry;
 use super::layer::{beyond_half_space, squeezing, stack_beyond_half_space};
 use super::points::stack;
-use crate::contact::{Patch, Reason, limits, unit_compliance};
+use crate::contact::{Footprint, Patch, Reason, limits, unit_compliance};
 use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
@@ -21,8 +21,8 @@ const MARGIN: f64 = 1.25;
 /// Model of the loaded disc, over which the displacement is averaged too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PatchModel {
-    /// Patch that the disc represents; `None` for the limit of a small patch.
-    pub patch: Option<Patch>,
+    /// Patch that the disc represents, or the disc for the limit of a small patch.
+    pub footprint: Footprint,
     /// Pressure of the patch, spread over the disc.
     pub spread: Spread,
     /// Radius of the disc, m.
@@ -100,12 +100,12 @@ impl PatchModel {
             );
             return Err(fault(message, "an impact point farther from the edge of the surface, or another face").into());
         }
-        let patch =
-            given.map(|radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 });
+        let of_radius = |radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 };
+        let footprint = given.map_or(Footprint::Disc, |radius| Footprint::Patch(of_radius(radius)));
         // The moduli of a viscoelastic stack are those of one temperature. The disc does not depend on them, so that all
         // temperatures have the same cells.
         let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
-        let has_soft_law = impactor.soft_law().is_some() && given.is_none();
+        let has_soft_law = impactor.soft_contact().is_some() && given.is_none();
         if has_soft_law {
             disc = given_disc.unwrap_or(SoftLayer::disc(geometry.size[geometry.struck])).min(room);
         }
@@ -118,7 +118,7 @@ impl PatchModel {
         let (wanted, _) = limits(disc, compliance(disc) + of_stack);
         let is_kept = has_soft_law || of_stack <= 0.0 || MARGIN * wanted <= disc;
         let of_stack = if is_kept { of_stack } else { 0.0 };
-        Ok(Self { patch, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
+        Ok(Self { footprint, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
     }
 
     /// Localisation vector a: the spread pressure on the disc of the impacted face, with total 1, times the direction.

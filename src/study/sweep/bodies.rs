@@ -372,7 +372,7 @@ impl Kept {
             // Automatic bases of families and of interpolated bodies have a low shift if they would lack rotations.
             None => scene.basis_may_lack_rotations() && !has_automatic_basis(scene),
         };
-        is_compared && !lacks_rotations && self.body.patch.is_none()
+        is_compared && !lacks_rotations && self.body.footprint.patch().is_none()
     }
 
     /// Computes a member on this body; `None` if interrupted.
@@ -403,7 +403,7 @@ impl Kept {
         if impact.run_watched(&mut impact::Until { interrupted: &**interrupted, take })?.is_break() {
             return Ok(None);
         }
-        let linearity = Linearity::new(scene, self.theory, self.body.patch.as_ref());
+        let linearity = Linearity::new(scene, self.theory, self.body.footprint.patch().as_ref());
         let deflection_over_thickness = linearity.map_or(f64::NAN, |linearity| {
             let each = steps.iter().map(|step| linearity.over_thickness(linearity.deflection(step)));
             each.fold(0.0, f64::max)
@@ -435,7 +435,7 @@ impl Kept {
             }
             (None, None) => Errors::default(),
         };
-        let of_patch = Errors::throughout(self.body.patch.map_or(0.0, |patch| patch.error()));
+        let of_patch = Errors::throughout(self.body.footprint.patch().map_or(0.0, |patch| patch.error()));
         let all = of_basis.joined(self.of_model).joined(of_patch);
         let (error_estimate, first_error) = (joined(impact.count.error.unwrap_or(0.0), all.history), all.first_contact);
         // Given steps have no error estimate, and their error counts as 0. Adaptive steps without an estimate of the

@@ -84,7 +84,7 @@ impl BodyOf {
 
     fn relaxing_anyhow(scene: &Scene) -> Self {
         let Scene { mut body, supports, impactor, contact, load, time, output, measure, .. } = scene.clone();
-        let has_soft_law = impactor.soft_law().is_some();
+        let has_soft_law = impactor.soft_contact().is_some();
         let Impactor { point, direction, .. } = impactor;
         let (mut bulk, mut chains, mut alike) = (Vec::new(), Vec::new(), Vec::new());
         for material in body.composition.materials_mut() {

@@ -159,7 +159,7 @@ fn totals_and_moments(session: &Session) {
                 // Gmsh writes coordinates to 1e-11, so the top of a mesh is flat to that.
                 assert!(error < 1e-10, "{name}: {error:e}");
                 worst = worst.max(error);
-                assert_eq!(a.patch.unwrap().reason, Reason::Scene);
+                assert_eq!(a.footprint.patch().unwrap().reason, Reason::Scene);
             }
             world.collect_garbage().unwrap();
         }
@@ -280,7 +280,7 @@ fn a_quarter(session: &Session) {
     let compliance = 4.0 * 0.6 * (1.0 - POISSON * POISSON) / (YOUNG * radius);
     assert!((a.compliance / compliance - 1.0).abs() < 1e-14);
     // The thickness along the edge where the two planes of symmetry meet.
-    assert!((a.patch.unwrap().thickness - 0.1).abs() < 1e-14);
+    assert!((a.footprint.patch().unwrap().thickness - 0.1).abs() < 1e-14);
     // A patch without room on the quarter has none on the whole.
     scene.impactor.point = [0.2, 0.14, 0.05];
     assert!(refused(&mesh, &scene, Some(radius)).message.contains("within the patch"));

@@ -40,7 +40,7 @@ fn radius_chosen(session: &Session) {
         scene.impactor.direction = direction;
         let mesh = Mesh::new(&world, &scene.body).unwrap();
         let a = Localization::patch(&mesh, &scene, None).unwrap();
-        let patch = a.patch.unwrap();
+        let patch = a.footprint.patch().unwrap();
         let name = format!("{point:?}: {patch:?}");
         assert_eq!(patch.reason, reason, "{name}");
         // Rounding of rotated coordinates that were written and read.
@@ -117,12 +117,12 @@ fn other_parts_of_the_surface(session: &Session) {
     let share = |e: f64| format!("{:.2}% of a patch", 100.0 * (0.5 + 0.75 * (e - e.powi(3) / 3.0)));
     let fault = refused(&mesh, &scene, Some(0.4));
     assert!(fault.message.contains(&share(0.5)), "{fault}");
-    assert_eq!(Localization::patch(&mesh, &scene, Some(0.2)).unwrap().patch.unwrap().thickness, 2.0);
+    assert_eq!(Localization::patch(&mesh, &scene, Some(0.2)).unwrap().footprint.patch().unwrap().thickness, 2.0);
     // On the step next to the wall, which is not part of the surface that is hit.
     scene.impactor.point = [1.2, 0.5, 1.0];
     let fault = refused(&mesh, &scene, Some(0.4));
     assert!(fault.message.contains(&share(0.5)), "{fault}");
-    assert_eq!(Localization::patch(&mesh, &scene, Some(0.2)).unwrap().patch.unwrap().thickness, 1.0);
+    assert_eq!(Localization::patch(&mesh, &scene, Some(0.2)).unwrap().footprint.patch().unwrap().thickness, 1.0);
     // Across a ridge of the disc's rim: the whole patch is on the surface, evenly above and below.
     let mut scene = patches::scene(&format!("mesh = {:?}", sample("disc.msh")), 2, [0.25, 0.0, 0.0]);
     scene.impactor.direction = [-1.0, 0.0, 0.0];
@@ -146,7 +146,7 @@ fn negative_stiffness_refused(session: &Session) {
     // Energy: (2/5) k0 α^{5/2} = m v²/2.
     let alpha = (1.25 * 52.0 / scene.impactor.stiffness).powf(0.4);
     let limit = 1.2 * combined / plane1 * (radius * alpha).sqrt();
-    let patch = |r| Localization::patch(&mesh, &scene, r).unwrap().patch.unwrap();
+    let patch = |r| Localization::patch(&mesh, &scene, r).unwrap().footprint.patch().unwrap();
     // With fine cells the contact would determine the radius: here 1.25 times the limit is more than h/4.
     assert!((patch(None).limit_radius / limit - 1.0).abs() < 1e-12);
     assert!(1.25 * limit > 0.005 && patch(None).reason == Reason::Cells);

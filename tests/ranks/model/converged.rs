@@ -135,7 +135,10 @@ fn check_radii(session: &Session, radii: &[(f64, [f64; 3])], meshes: &[[usize; 3
             let body = format!("size = [1.5, 1.5, 0.1]\ncells = {cells:?}\ngrading = {grading:?}");
             let (time, rest) = ("end = 6.2e-4\nstep = 2e-5", format!("[contact]\npatch_radius = {radius}\n"));
             let (_, mut impact) = start(&world, &plate(&body, time, &rest));
-            assert!(impact.body().localization.patch.is_some_and(|patch| !patch.is_coarse()), "{radius} {cells:?}");
+            assert!(
+                impact.body().localization.footprint.patch().is_some_and(|patch| !patch.is_coarse()),
+                "{radius} {cells:?}"
+            );
             let peak = peak(&run(&mut impact));
             println!("r_p = {radius}, cells {cells:?}: peak {peak:.2} m/s²");
             assert!((peak / 2002.7 - 1.0).abs() < 5e-3, "r_p = {radius}, cells {cells:?}: {peak}");

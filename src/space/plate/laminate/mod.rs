@@ -247,7 +247,7 @@ fn of_scene(scene: &Scene) -> crate::error::Result<(Laminate, PlateGeometry)> {
 /// soft layer, and at most the distance to the edge. Under a soft layer with its own law it is wider.
 fn disc(scene: &Scene, thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
     let layer = thicknesses[0].max(LEAST_LAYER * geometry.thickness);
-    let radius = match scene.impactor.soft_law() {
+    let radius = match scene.impactor.soft_contact() {
         Some(_) if settings.disc_radius.is_none() => SoftLayer::disc(geometry.thickness),
         _ => settings.disc_over(layer) * layer,
     };
