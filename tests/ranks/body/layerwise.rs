@@ -16,6 +16,7 @@ pub const ALONE: &[Test<Session>] = tests![
     the_reference,
     soft_faces_have_their_shear,
     layers_that_differ_above_and_below,
+    a_thin_coat_has_no_tension,
     auto_climbs
 ];
 
@@ -165,6 +166,25 @@ fn layers_that_differ_above_and_below(session: &Session) {
     for face in [1, 5] {
         assert!((plate.tensions[face] / solid.tensions[face] - 1.0).abs() < 0.02, "{}", names[face]);
     }
+}
+
+/// A plastic coat of 1 µm under the contact: the tension opposite the impact point is that of the glass alone, and the coat has
+/// none. (Without the pressure of the contact the coat had 420 MPa.)
+fn a_thin_coat_has_no_tension(session: &Session) {
+    let rest = "[impactor]\nmass = 0.5\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n\
+                [time]\nend = 4e-4\n[accuracy]\ntolerance = 5e-3\n";
+    let coated = "model = \"layerwise\"\nsize = [0.12, 0.12]\n\
+                  [[body.layer]]\nthickness = 1e-6\nmaterial = \"plastic\"\n[[body.layer]]\nthickness = 0.008\nmaterial = \"glass\"\n\
+                  [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+                  [material.plastic]\nyoung = 2.4e9\npoisson = 0.38\ndensity = 1200.0\n";
+    let bare = "model = \"mindlin\"\nsize = [0.12, 0.12, 0.008]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n";
+    let [(coat, coated), (_, bare)] =
+        [coated, bare].map(|body| tensions(&session.world(), &format!("[body]\n{body}{rest}")));
+    assert_eq!(coat, ["1-upper", "1-lower", "2-upper", "2-lower"]);
+    println!("coated {:?}, bare {:?}", coated.tensions, bare.tensions);
+    // Tolerances of 5e-3 on both. Far from the contact the coat has the strain of the glass: 1/30 of its stress.
+    assert!((coated.tensions[3] / bare.tensions[1] - 1.0).abs() < 1e-2, "{:?} {:?}", coated.tensions, bare.tensions);
+    assert!(coated.tensions[0] < coated.tensions[3] / 30.0, "{:?}", coated.tensions);
 }
 
 /// `auto` uses the layerwise plate if its estimate allows, and the solid for bodies that are not plates; also with a
