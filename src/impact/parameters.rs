@@ -92,22 +92,24 @@ impl ImpactParameters {
         if law.ends() {
             return Err(Error::Solve(format!(
                 "the impactor has come to the end of contact.table, or of the law of a soft layer, an indentation of {:.4e} m at a \
-                 force of {:.4e} N: the table has to go on, or the impactor has to be lighter or slower",
+                 force of {:.4e} N: the table has to go on (or, on a soft layer, contact.disc_radius has to be larger), or the impactor \
+                 has to be lighter or slower",
                 law.force_law.end(),
                 self.multiplicity * law.force(law.limit())
             )));
         }
         let (what, remedy) = match self.footprint {
-            Footprint::Disc => {
-                ("too wide for the disc that carries the force", "`body.model = \"solid\"` with a contact.patch_radius")
-            }
-            Footprint::Patch(_) | Footprint::Point => {
-                ("as wide as the patch that stands for it", "A larger contact.patch_radius")
-            }
+            Footprint::Disc => (
+                "too wide for the disc that carries the force, or for a half-space of the layer that is hit",
+                "A larger contact.disc_radius, or a hit farther from edges and supports, is needed",
+            ),
+            Footprint::Patch(_) | Footprint::Point => (
+                "as wide as the patch that stands for it",
+                "A larger contact.patch_radius is needed, more than 1.2 (E*/E') times the contact's radius",
+            ),
         };
         Err(Error::Solve(format!(
-            "the contact is {what}: at a force of {:.4e} N the law's stiffness would turn negative. {remedy} is needed, more than \
-             1.2 (E*/E') times the contact's radius",
+            "the contact is {what}: at a force of {:.4e} N the law's stiffness would turn negative. {remedy}",
             self.multiplicity * law.force(law.limit())
         )))
     }

@@ -391,7 +391,7 @@ pub(super) fn larger(vectors: usize) -> usize {
 /// Rate of the scene's impact, 1/s: 15 over the contact time on a half-space, at a tolerance of 1e-2. It is the shift of a
 /// basis for the contact force.
 pub fn rate(scene: &Scene) -> f64 {
-    SHIFT_TIMES_CONTACT * (1e-2 / scene.tolerance).cbrt() / scene.impactor.contact_time()
+    SHIFT_TIMES_CONTACT * (1e-2 / scene.tolerance).cbrt() / scene.impactor.basis_time()
 }
 
 /// Shift s of the basis for the scene's impact, 1/s, if short waves are not treated separately.

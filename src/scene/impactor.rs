@@ -56,6 +56,8 @@ pub struct SoftContact {
     pub compliance: f64,
     /// Forces (N) with the contact radius (m) at each.
     pub radii: Vec<[f64; 2]>,
+    /// Radius of the disc on which bodies carry the force, m.
+    pub disc: f64,
 }
 
 impl SoftContact {
@@ -66,14 +68,6 @@ impl SoftContact {
         // From the first touch on the contact is Hertz's.
         let exponent = if f0 > 0.0 { (r1 / r0).ln() / (f1 / f0).ln() } else { 1.0 / 3.0 };
         r1 * (force.max(0.0) / f1).powf(exponent)
-    }
-}
-
-impl SoftLayer {
-    /// Radius (m) of the disc on which bodies with a soft layer's law carry the force, for a thickness of the body (m). A
-    /// wide disc takes few cells, and the law for it reaches larger forces. The soft layer does not bend separately, as a ply does.
-    pub fn disc(thickness: f64) -> f64 {
-        3.0 * thickness
     }
 }
 
@@ -91,6 +85,14 @@ impl Impactor {
     /// Duration of a contact with a fixed half-space without damping, s.
     pub fn contact_time(&self) -> f64 {
         self.force_law.contact_time(self.mass, self.speed)
+    }
+
+    /// Time (s) by which bases are made: the duration of the contact with a fixed half-space, halved as often as the contact with a
+    /// soft layer requires. (On a thin coat it may be a fifth.)
+    pub fn basis_time(&self) -> f64 {
+        let time = self.contact_time();
+        let of_soft = self.soft_contact().map_or(time, |soft| soft.force_law.contact_time(self.mass, self.speed));
+        time * (of_soft / time).log2().floor().clamp(-10.0, 0.0).exp2()
     }
 
     /// Time (s) at which viscoelastic layers are taken as elastic in local fields, which are static: half the contact time.

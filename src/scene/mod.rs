@@ -45,7 +45,7 @@ pub use load::{Load, Traction};
 pub use output::{Measure, Output, Probe};
 pub use source::Source;
 pub use strength::{Strength, face_names};
-pub use support::{Support, SupportKind, Within};
+pub use support::{CLEAR_OF_SUPPORTS, Support, SupportKind, Within, leave_free};
 pub use time::{Initial, Newton, Scheme, Solver, Time};
 pub use units::unit;
 
@@ -165,6 +165,14 @@ impl Scene {
             Geometry::Box { size, .. } => Some(faces::struck_axis(*size, self.impactor.point, self.impactor.direction)),
             Geometry::Gmsh(_) => None,
         }
+    }
+
+    /// Whether a box is a free layer around the impact point: the impact is normal, and no support on the two faces across it is
+    /// within a number of thicknesses (`clearance`). The distance to the edges is not checked.
+    pub fn is_free_layer(&self, clearance: f64) -> bool {
+        let (Geometry::Box { size, .. }, Some(axis)) = (&self.body.geometry, self.struck_axis()) else { return false };
+        let Impactor { direction, point, .. } = &self.impactor;
+        (direction[axis].abs() - 1.0).abs() < 1e-9 && leave_free(&self.supports, (*size, *point, axis), clearance)
     }
 
     /// Whether the basis may lack rotations of the body, so that the error of the deflection is unknown. The impact makes

@@ -25,6 +25,25 @@ impl Support {
         (0..3).any(|axis| components[axis] && axis != struck)
     }
 
+    /// Distance of the support (m), along the faces of a box across an axis, from the line through a point along that axis. It is
+    /// infinite if the support is on other faces.
+    pub fn distance_on_faces(&self, size: Vec3, point: Vec3, axis: usize) -> f64 {
+        if faces::faces(&self.surface).iter().all(|(across, _)| *across != axis) {
+            return f64::INFINITY;
+        }
+        let along = [(axis + 1) % 3, (axis + 2) % 3];
+        let norm = |distance: &dyn Fn(usize) -> f64| along.map(distance).into_iter().fold(0.0, f64::hypot);
+        match self.within {
+            None => 0.0,
+            Some(Within::Rim(width)) => {
+                let edge = along.map(|i| 0.5 * size[i] - point[i].abs());
+                (edge[0].min(edge[1]) - width).max(0.0)
+            }
+            Some(Within::Box([low, high])) => norm(&|i| (low[i] - point[i]).max(point[i] - high[i]).max(0.0)),
+            Some(Within::Ball { centre, radius }) => (norm(&|i| centre[i] - point[i]) - radius).max(0.0),
+        }
+    }
+
     /// Whether the support couples bending and stretching. This is so if it covers a side unevenly across the thickness
     /// along an axis and acts in directions other than that axis. A pad that acts in such directions always does: it
     /// loses contact with one half of a bent side.
@@ -39,6 +58,16 @@ impl Support {
         };
         !is_even && (holds || acts(self.damping))
     }
+}
+
+/// Distance of supports on the two faces from the impact point, in thicknesses, from which the static field of a contact is that of
+/// a free layer.
+pub const CLEAR_OF_SUPPORTS: f64 = 2.0;
+
+/// Whether no support on the faces of a box across an axis is within a number of thicknesses (`clearance`) from a point on one of
+/// these faces.
+pub fn leave_free(supports: &[Support], (size, point, axis): (Vec3, Vec3, usize), clearance: f64) -> bool {
+    supports.iter().all(|support| support.distance_on_faces(size, point, axis) >= clearance * size[axis])
 }
 
 /// Kind of support on a surface.
@@ -107,5 +136,28 @@ impl Within {
             Self::Box([low, high]) => low[axis].max(-half) == -high[axis].min(half),
             Self::Ball { centre, .. } => centre[axis] == 0.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distances in the plane of the faces, for each kind of part, from a point off the centre.
+    #[test]
+    fn distances_are_along_the_faces() {
+        let of = |surface: &str, within: Option<Within>| {
+            let kind = SupportKind::Elastic { stiffness: [1e9; 3] };
+            let support = Support { surface: surface.into(), within, kind, damping: [0.0; 3], displacement: [0.0; 3] };
+            support.distance_on_faces([1.0, 0.6, 0.02], [0.1, -0.1, 0.01], 2)
+        };
+        // Tolerance: rounding.
+        let is = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        assert_eq!(of("side", None), f64::INFINITY);
+        assert_eq!(of("bottom", None), 0.0);
+        is(of("bottom", Some(Within::Rim(0.05))), 0.15);
+        is(of("bottom", Some(Within::Rim(0.25))), 0.0);
+        is(of("top", Some(Within::Box([[0.4, 0.3, -1.0], [0.5, 0.3, 1.0]]))), 0.5);
+        is(of("bottom", Some(Within::Ball { centre: [-0.2, 0.3, -0.01], radius: 0.1 })), 0.4);
     }
 }

@@ -51,9 +51,6 @@ const FIRST: f64 = 1e-2;
 /// Largest number of points: the last radius is 25 times that of Hertz's law.
 const MOST_POINTS: usize = 200;
 
-/// Number of points up to Hertz's contact radius for a thousandth of the energy. A law that ends before is of no use.
-const LEAST_POINTS: usize = 82;
-
 /// Largest ratio of the tangent to F/α; it is 1.5 for Hertz's law, and 2 for a thin compressible layer. It is larger where the
 /// contact is so wide that the body bends less under it than under the disc, whose pressure is that of a point on long waves.
 /// There the law ends.
@@ -112,12 +109,10 @@ fn slope(x: f64) -> f64 {
 impl Stack {
     /// Law of the contact with a sphere, for an impact of an energy (J) that determines the first contact radius. `longest`
     /// is the wavenumber (1/m) of the longest wave, `disc` the radius (m) of the disc on which the body carries the force.
-    /// `None` if the contact is as wide as the disc from the beginning.
-    pub fn contact_law(&self, sphere: &Sphere, longest: f64, disc: f64, energy: f64) -> Option<ContactLaw> {
+    pub fn contact_law(&self, sphere: &Sphere, longest: f64, disc: f64, energy: f64) -> ContactLaw {
         let beyond = Beyond::new(self, longest);
         let compliance = self.lacking(&beyond, disc);
-        let points = points(&beyond, sphere, compliance, energy);
-        (points.len() > LEAST_POINTS).then_some(ContactLaw { points, compliance })
+        ContactLaw { points: points(&beyond, sphere, compliance, energy), compliance }
     }
 
     /// c of the module's documentation, m/N.
@@ -135,6 +130,20 @@ pub struct ContactLaw {
     pub points: Vec<ContactPoint>,
     /// Compliance c (m/N) of the disc that these indentations do not contain.
     pub compliance: f64,
+}
+
+impl ContactLaw {
+    /// Largest force of the law, N.
+    pub fn largest_force(&self) -> f64 {
+        self.points.last().map_or(0.0, |point| point.force)
+    }
+
+    /// Energy stored at the end of the law, J.
+    pub fn capacity(&self) -> f64 {
+        let of_pair =
+            |pair: &[ContactPoint]| 0.5 * (pair[0].force + pair[1].force) * (pair[1].indentation - pair[0].indentation);
+        self.points.windows(2).map(of_pair).sum()
+    }
 }
 
 /// State of the contact of a sphere with a stack.

@@ -99,9 +99,9 @@ pub(super) const HERTZ_DEPTH_FRACTION: f64 = 0.9;
 /// Exponent ξz at which the sum over wavenumbers is truncated. The error is 1e-7 of a stress of 1/z².
 pub(super) const END: f64 = 22.0;
 
-/// Least depth at which all waves are summed, as a fraction of the largest contact radius r_c. The sum ends at ξr_c = 1200, where
-/// the transform of the pressure is 2e-6.
-const LEAST_DEPTH_OVER_CONTACT: f64 = 0.02;
+/// Least depth at which all waves are summed, as a fraction of the largest contact radius r_c. At smaller depths the
+/// sum is cut off, with an error of some thousandths of the contact pressure.
+pub const LEAST_DEPTH_OVER_CONTACT: f64 = 0.02;
 
 /// Number of Gauss points on one panel of wavenumbers.
 const POINTS: usize = 32;

@@ -35,7 +35,7 @@ pub use flexural_wave::flexural_frequency;
 pub use indentation::{ContactLaw, ContactPoint, Sphere};
 pub use layerwise::{Layerwise, LayerwiseWave};
 pub use level::Level;
-pub use local::{Carrier, LocalField, Sections};
+pub use local::{Carrier, LEAST_DEPTH_OVER_CONTACT, LocalField, Sections};
 pub use point::{Cylindrical, PointField};
 pub use pressure::Pressure;
 pub use resultants::on_parabola;

@@ -9,7 +9,8 @@ pub const TESTS: &[PlainTest] = tests![
     a_table_comes_from_a_file_and_stays_in_the_result,
     springs_much_stiffer_than_the_body_have_one_answer,
     tables_of_other_units_are_told,
-    laws_are_swept
+    laws_are_swept,
+    a_member_beyond_its_table_leaves_the_others
 ];
 
 /// A pane under a soft impactor, with a tabulated law.
@@ -107,4 +108,17 @@ fn laws_are_swept() {
     let rebound = members(&folder.path().join("s.h5"), "peak_acceleration");
     // More damping stops the impactor sooner.
     assert!(rebound.windows(2).all(|two| two[0] < two[1]), "{rebound:?}");
+}
+
+/// A member whose law ends fails already when `auto` chooses the theory for all members. The others are computed.
+fn a_member_beyond_its_table_leaves_the_others() {
+    let folder = with_table(0.004, [1.0; 2]);
+    let line = "sweep scene.toml --set body.model=auto --set body.reduction= --vary impactor.speed=0.1,0.2,1 -o s.h5";
+    let outcome = run(ricochet(folder.path(), 0).args(words(line)));
+    assert_eq!(outcome.status, Some(3), "{outcome:?}");
+    assert!(outcome.stdout.contains("the end of contact.table"), "{outcome:?}");
+    let file = folder.path().join("s.h5");
+    assert_eq!(members(&file, "status"), [1.0, 1.0, 2.0]);
+    let peaks = members(&file, "peak_force");
+    assert!(peaks[0] > 0.0 && peaks[1] > 1.5 * peaks[0] && peaks[2].is_nan(), "{peaks:?}");
 }

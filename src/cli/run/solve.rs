@@ -14,8 +14,8 @@ use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Linearity, Model, Simulation};
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::series::{Points, SeriesWriter};
-use crate::record::stress::{Faces, MapPoints, strengths};
-use crate::scene::{Fault, Scene, Source};
+use crate::record::stress::{Faces, MapPoints, Ring, strengths};
+use crate::scene::{Contact, Fault, Scene, Source};
 
 use super::super::checkpoint_writer::CheckpointWriter;
 use super::super::follow::Follower;
@@ -182,10 +182,12 @@ fn record(
     }))
 }
 
-/// Radial tension at the edge of the contact times α/F, 1/m²: (1 − 2ν)/(2πR).
-fn ring(scene: &Scene) -> Option<f64> {
-    let radius = scene.impactor.radius.filter(|_| scene.output.stress)?;
-    Some((1.0 - 2.0 * scene.body.struck().poisson) / (2.0 * PI * radius))
+/// Radial tension at the edge of the contact. On a patch of a given radius a soft layer has Hertz's contact.
+fn ring(scene: &Scene) -> Option<Ring> {
+    let curvature = scene.impactor.radius.filter(|_| scene.output.stress)?;
+    let is_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
+    let soft = scene.impactor.soft_contact().filter(|_| !is_given).cloned();
+    Some(Ring { factor: (1.0 - 2.0 * scene.body.struck().poisson) / (2.0 * PI), curvature, soft })
 }
 
 /// Refuses the strength of a face that the body does not have.

@@ -282,7 +282,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let time = motion.state.time;
             let shown = motion.approach - modes.residual * motion.force;
             // While the bodies are apart, the law is always valid.
-            if shown > 0.0 {
+            if shown > 0.0 || motion.force > 0.0 {
                 let rate = motion.rate() - modes.residual * motion.rise();
                 parameters.admit(shown, rate, motion.force).map_err(|error| at(error, number, time))?;
             }

@@ -17,8 +17,10 @@ pub use write::EarlierTensions;
 pub(super) use map::MapDatasets;
 pub(super) use write::{TensionDatasets, rings, rows};
 
+use std::sync::Arc;
+
 use crate::impact::step::Step;
-use crate::scene::Strength;
+use crate::scene::{SoftContact, Strength};
 
 /// Faces on which stresses are recorded.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -27,9 +29,29 @@ pub struct Faces {
     pub names: Vec<String>,
     /// Points at which the tensions are mapped.
     pub map: MapPoints,
-    /// Factor (1 − 2ν)/(2πR) of Hertz's radial tension at the edge of the contact, 1/m: the tension is the factor
-    /// times F/α. `None` if the impactor has no radius R.
-    pub ring: Option<f64>,
+    /// Hertz's radial tension at the edge of the contact; `None` if the impactor has no radius R.
+    pub ring: Option<Ring>,
+}
+
+/// Hertz's radial tension at the edge of the contact, (1 − 2ν) F/(2πa²) for the contact radius a.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ring {
+    /// Factor (1 − 2ν)/(2π).
+    pub factor: f64,
+    /// Radius R of the impactor, m: a² = Rα.
+    pub curvature: f64,
+    /// Contact with a soft layer, which has another contact radius.
+    pub soft: Option<Arc<SoftContact>>,
+}
+
+impl Ring {
+    /// The tension under a force (N) with an indentation (m), Pa.
+    fn tension(&self, force: f64, indentation: f64) -> f64 {
+        match &self.soft {
+            Some(soft) => self.factor * force / soft.radius(force).powi(2),
+            None => self.factor / self.curvature * force / indentation,
+        }
+    }
 }
 
 impl Faces {
@@ -37,7 +59,8 @@ impl Faces {
     pub(super) fn ring(&self, step: &Step) -> f64 {
         let contact = &step.contact;
         let is_closed = contact.force > 0.0 && contact.indentation > 0.0;
-        self.ring.map_or(f64::NAN, |factor| if is_closed { factor * contact.force / contact.indentation } else { 0.0 })
+        let tension = |ring: &Ring| if is_closed { ring.tension(contact.force, contact.indentation) } else { 0.0 };
+        self.ring.as_ref().map_or(f64::NAN, tension)
     }
 }
 

@@ -41,7 +41,7 @@ impl TensionDatasets {
         };
         Ok(Self {
             faces: of.names.iter().map(face).collect::<hdf5::Result<_>>()?,
-            ring: of.ring.map(|_| dataset("ring".to_owned(), 1, "Pa")).transpose()?,
+            ring: of.ring.as_ref().map(|_| dataset("ring".to_owned(), 1, "Pa")).transpose()?,
         })
     }
 

@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::super::{
-    Composition, Contact, Impactor, Layer as Given, Parts, SoftContact, SoftLayer, Support, Vec3, faces,
+    CLEAR_OF_SUPPORTS, Composition, Contact, Impactor, Layer as Given, Parts, SoftContact, SoftLayer, Support, Vec3,
+    leave_free,
 };
 use crate::contact::{ForceLaw, Hertz, Table};
-use crate::stack::{ContactLaw, Layer, Sphere, Stack};
+use crate::stack::{Layer, Section, Sphere, Stack};
 
 /// Largest Young's modulus of an impacted layer that counts as soft, as a fraction of the largest of all layers: if no other
 /// layer is softer, and if one is, as in a laminate. (There an impacted ply also bends separately on its interlayer, which a wide
@@ -16,6 +17,20 @@ const SOFT: [f64; 2] = [0.99, 0.5];
 
 /// Largest ξH of the longest wave, H the thickness of the stack. It is otherwise the longest wave on the body.
 const LONGEST_WAVE: f64 = 0.05;
+
+/// Radii of the disc that are tried, over the thickness of the stack. The first one is enough for layers such as plastic on glass.
+/// Under a wider disc the law reaches larger forces, as on rubber. The soft layer does not bend separately, as a ply does, so that
+/// the disc may be wider than under a ply.
+const DISCS: [f64; 5] = [3.0, 4.5, 7.0, 10.0, 15.0];
+
+/// Energy that a law should store, over the energy of the impact.
+const ENOUGH_ENERGY: f64 = 2.0;
+
+/// Force that a law should reach, over the force Z v at which an infinite plate of the impedance Z moves as fast as the impactor.
+const ENOUGH_FORCE: f64 = 2.0;
+
+/// Least energy that a law must store, over the energy of the impact.
+const LEAST_ENERGY: f64 = 1e-3;
 
 /// Law of the contact with the layers of a box, if the impacted one is soft and the impact is normal to it.
 pub(super) fn law(
@@ -31,15 +46,19 @@ pub(super) fn law(
     if !is_normal || contact == Contact::Point {
         return SoftLayer::None;
     }
-    let time = impactor.moduli_time();
-    let of_layer = |layer: &Given| {
-        let material = layer.material.at(time);
-        Layer { thickness: layer.thickness, young: material.young, poisson: material.poisson }
+    // From the layer that is hit on.
+    let moduli = |time: f64| -> Vec<Layer> {
+        let of_layer = |layer: &Given| {
+            let material = layer.material.at(time);
+            Layer { thickness: layer.thickness, young: material.young, poisson: material.poisson }
+        };
+        let mut layers: Vec<Layer> = given.iter().map(of_layer).collect();
+        if impactor.direction[2] > 0.0 {
+            layers.reverse();
+        }
+        layers
     };
-    let mut layers: Vec<Layer> = given.iter().map(of_layer).collect();
-    if impactor.direction[2] > 0.0 {
-        layers.reverse();
-    }
+    let layers = moduli(impactor.moduli_time());
     let struck = layers[0].young;
     let stiffest = layers.iter().map(|layer| layer.young).fold(0.0, f64::max);
     let is_on_softer = layers.iter().any(|layer| layer.young < struck);
@@ -48,22 +67,38 @@ pub(super) fn law(
     }
     // Hertz's law has the instantaneous modulus of a viscoelastic layer. The stack has free faces.
     let is_elastic = given[composition.struck_layer].material.shear.is_none();
-    let is_free = supports.iter().all(|support| faces(&support.surface).iter().all(|(axis, _)| *axis != 2));
+    let is_free = leave_free(supports, (size, impactor.point, 2), CLEAR_OF_SUPPORTS);
     let room = [0, 1].map(|axis| 0.5 * size[axis] - impactor.point[axis].abs());
     let law = || {
         let (stack, radius) = (Stack::new(&layers).filter(|_| is_elastic && is_free)?, impactor.radius?);
         let sphere = Sphere { radius, modulus: 0.75 * stiffness / radius.sqrt() };
         let longest = (PI / size[0].max(size[1])).min(LONGEST_WAVE / stack.thickness());
         let energy = 0.5 * impactor.mass * impactor.speed.powi(2);
-        let disc = SoftLayer::disc(stack.thickness()).min(room[0]).min(room[1]);
-        let ContactLaw { points, compliance } = stack.contact_law(&sphere, longest, disc, energy)?;
-        let of_law: Vec<[f64; 2]> = points.iter().map(|point| [point.indentation, point.force]).collect();
-        let force_law = ForceLaw::Table(Table::new(&of_law).ok()?);
-        Some(SoftContact {
-            force_law,
-            compliance,
-            radii: points.iter().map(|point| [point.force, point.radius]).collect(),
-        })
+        let room = room[0].min(room[1]);
+        let law = |stack: &Stack, disc: f64| stack.contact_law(&sphere, longest, disc, energy);
+        let disc = match contact {
+            Contact::Patch { disc: Some(given), .. } => given.min(room),
+            _ => {
+                // The disc does not depend on relaxation, so that all temperatures have the same cells.
+                let stack = Stack::new(&moduli(0.0))?;
+                let areal_density: f64 =
+                    given.iter().map(|layer| layer.material.instantaneous.density * layer.thickness).sum();
+                let impedance = 8.0 * (Section::new(&stack).rigidity * areal_density).sqrt();
+                let is_enough = |disc: &f64| {
+                    let law = law(&stack, *disc);
+                    law.capacity() >= ENOUGH_ENERGY * energy
+                        || law.largest_force() >= ENOUGH_FORCE * impedance * impactor.speed
+                };
+                let discs = DISCS.map(|factor| (factor * stack.thickness()).min(room));
+                discs.into_iter().find(is_enough).unwrap_or(discs[DISCS.len() - 1])
+            }
+        };
+        let law = law(&stack, disc);
+        let points: Vec<[f64; 2]> = law.points.iter().map(|point| [point.indentation, point.force]).collect();
+        let force_law = ForceLaw::Table(Table::new(&points).ok()?);
+        let radii = law.points.iter().map(|point| [point.force, point.radius]).collect();
+        let contact = SoftContact { force_law, compliance: law.compliance, radii, disc };
+        (law.capacity() >= LEAST_ENERGY * energy).then_some(contact)
     };
     law().map_or(SoftLayer::Untreated, |contact| SoftLayer::Law(Arc::new(contact)))
 }

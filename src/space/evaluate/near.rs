@@ -7,7 +7,9 @@ use std::sync::Arc;
 
 use crate::form::{Material, Spread};
 use crate::scene::{Contact, Geometry, Impactor, Scene, SoftContact, Vec3, faces};
-use crate::stack::{Carrier, Cylindrical, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack};
+use crate::stack::{
+    Carrier, Cylindrical, LEAST_DEPTH_OVER_CONTACT, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack,
+};
 
 /// Distance from the impact point, divided by the thickness, within which stresses are evaluated as means over a disc.
 const SMOOTHED: f64 = 2.0;
@@ -275,10 +277,13 @@ impl NearHit {
         (0..3).filter(|&axis| axis != self.struck).map(|axis| (x[axis] - self.point[axis]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Whether a point is the impact point on a soft layer. There the stress without Hertz's field, which is reported separately, is
-    /// a tension that does not exist: the layer is compressed between the impactor and the stiffer layers.
+    /// Whether a point is under the contact with a soft layer: on the face that is hit, or so little below that the local field does
+    /// not resolve it. There the stress without Hertz's field, which is reported separately, is a tension that does not exist: the
+    /// layer is compressed between the impactor and the stiffer layers.
     pub fn is_under_soft_contact(&self, x: Vec3) -> bool {
-        self.has_soft_contact && (0..3).all(|axis| (x[axis] - self.point[axis]).abs() <= 1e-6 * self.thickness())
+        let depth = (x[self.struck] - self.point[self.struck]).abs();
+        let is_resolved = depth > (LEAST_DEPTH_OVER_CONTACT * self.largest).max(1e-6 * self.thickness());
+        self.has_soft_contact && !is_resolved && self.distance(x) <= 1e-6 * self.thickness()
     }
 
     /// Whether stresses at a point are evaluated as means; the averaging disc must lie within the body.

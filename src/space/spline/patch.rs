@@ -9,7 +9,7 @@ use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
 use crate::form::elastic::displacement;
-use crate::scene::{Contact, Fault, Scene, SoftLayer, Vec3, faces};
+use crate::scene::{CLEAR_OF_SUPPORTS, Contact, Fault, Scene, Vec3};
 use crate::space::plate::crossing;
 
 /// Radius of the disc divided by the thickness: where the body is a plate around the impact point, and where it is not.
@@ -69,10 +69,10 @@ impl PatchModel {
             let message = format!("a patch of radius {radius:.3e} m has no room at {room:.3e} m from an edge");
             return Err(fault(message, far).into());
         }
-        let is_stack = is_layer(geometry, scene);
+        let is_stack = scene.is_free_layer(CLEAR_OF_SUPPORTS);
         let is_layer = geometry.interfaces.is_empty() && is_stack;
         let is_plate = is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
-        let bends = is_plate && is_bent(geometry, scene);
+        let bends = is_plate && scene.is_free_layer(f64::INFINITY) && is_bent(geometry, scene);
         let half_space = unit_compliance(&struck, impactor.direction[geometry.struck]);
         let compliance = |disc: f64| {
             let spread = Spread::new((radius / disc).min(1.0));
@@ -105,9 +105,10 @@ impl PatchModel {
         // The moduli of a viscoelastic stack are those of one temperature. The disc does not depend on them, so that all
         // temperatures have the same cells.
         let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
-        let has_soft_law = impactor.soft_contact().is_some() && given.is_none();
-        if has_soft_law {
-            disc = given_disc.unwrap_or(SoftLayer::disc(geometry.size[geometry.struck])).min(room);
+        let soft = impactor.soft_contact().filter(|_| given.is_none());
+        let has_soft_law = soft.is_some();
+        if let Some(soft) = soft {
+            disc = soft.disc.min(room);
         }
         let spread = Spread::new((radius / disc).min(1.0));
         let parts = Description::new(scene).parts;
@@ -136,14 +137,6 @@ impl PatchModel {
         }
         a
     }
-}
-
-/// Whether the body is a free layer around the impact point: the impact is normal, and no support is on either face.
-/// The distance to the edges is not checked.
-fn is_layer(geometry: &BoxGeometry, scene: &Scene) -> bool {
-    let is_free = |surface: &str| faces(surface).iter().all(|(axis, _)| *axis != geometry.struck);
-    let is_normal = (scene.impactor.direction[geometry.struck].abs() - 1.0).abs() < 1e-9;
-    is_normal && scene.supports.iter().all(|support| is_free(&support.surface))
 }
 
 /// Largest [`crossing`] for which squeezing is treated as quasi-static. This was verified up to 0.024.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use petsc_wrap::Comm;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors};
 use crate::model::Model;
 use crate::model::watch::Watch;
@@ -132,10 +132,10 @@ impl Grouping {
     }
 
     /// The theory for all members: the highest one that `auto` selects for the first, the last and the most demanding
-    /// member. Collective.
+    /// member. Of these, members whose models cannot be made are passed over. Collective.
     ///
     /// # Errors
-    /// Same as making a model.
+    /// Same as making a model, if none of these models can be made.
     pub fn theory(&self, comm: &Comm, scene_of: impl Fn(usize) -> Result<Scene>, watch: &dyn Watch) -> Result<Found> {
         let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
         let mut asked = self.ends.clone();
@@ -144,10 +144,16 @@ impl Grouping {
         asked.dedup();
         let none = |theory| Found { theory, asked_by: None, errors: Errors::default(), made: Vec::new() };
         let mut found = none(scene::Model::HalfSpace);
-        let mut theories = Vec::new();
+        let (mut theories, mut failed) = (Vec::new(), None);
         for index in asked {
             let scene = scene_of(index)?;
-            let model = Model::watched(comm, &scene, watch)?;
+            let model = match Model::watched(comm, &scene, watch) {
+                Err(error @ (Error::Solve(_) | Error::Fault(_))) => {
+                    failed = Some(error);
+                    continue;
+                }
+                model => model?,
+            };
             theories.push((index, model.theory));
             if model.theory > found.theory {
                 found = none(model.theory);
@@ -163,6 +169,9 @@ impl Grouping {
                 }
             }
             comm.collect_garbage()?;
+        }
+        if let Some(error) = failed.filter(|_| theories.is_empty()) {
+            return Err(error);
         }
         let do_not_agree = theories.iter().any(|(_, theory)| *theory != found.theory);
         let first = theories.iter().find(|(_, theory)| *theory == found.theory).filter(|_| do_not_agree);

@@ -16,7 +16,7 @@ use crate::form::layerwise::{LayerModuli, Profile};
 use crate::form::plate::Section;
 use crate::form::tensor::{Part as Derivative, Square};
 use crate::form::{Material, Spread};
-use crate::scene::{Scene, SoftLayer};
+use crate::scene::Scene;
 use crate::stack::{self, Layerwise, Stack};
 
 /// Smallest thickness of the impacted layer used for the radius of the disc, as a fraction of the thickness of the
@@ -248,7 +248,7 @@ fn of_scene(scene: &Scene) -> crate::error::Result<(Laminate, PlateGeometry)> {
 fn disc(scene: &Scene, thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
     let layer = thicknesses[0].max(LEAST_LAYER * geometry.thickness);
     let radius = match scene.impactor.soft_contact() {
-        Some(_) if settings.disc_radius.is_none() => SoftLayer::disc(geometry.thickness),
+        Some(soft) if settings.disc_radius.is_none() => soft.disc,
         _ => settings.disc_over(layer) * layer,
     };
     radius.min(geometry.distance_to_edge())
