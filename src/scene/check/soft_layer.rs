@@ -8,7 +8,7 @@ use super::super::{
     leave_free,
 };
 use crate::contact::{ForceLaw, Hertz, Table};
-use crate::stack::{Layer, Section, Sphere, Stack};
+use crate::stack::{ContactLaw, Layer, Section, Sphere, Stack};
 
 /// Largest Young's modulus of an impacted layer that counts as soft, as a fraction of the largest of all layers: if no other
 /// layer is softer, and if one is, as in a laminate. (There an impacted ply also bends separately on its interlayer, which a wide
@@ -22,6 +22,10 @@ const LONGEST_WAVE: f64 = 0.05;
 /// Under a wider disc the law reaches larger forces, as on rubber. The soft layer does not bend separately, as a ply does, so that
 /// the disc may be wider than under a ply.
 const DISCS: [f64; 5] = [3.0, 4.5, 7.0, 10.0, 15.0];
+
+/// Largest product of the disc's radius and the wavenumber of flexural waves at the frequency π/T, T the duration of a contact with
+/// this law. The disc is treated as static; on plastic and polyurethane the force was wrong by 0.3% at 2, and by 6% at 3.2.
+const LARGEST_PHASE: f64 = 2.0;
 
 /// Energy that a law should store, over the energy of the impact.
 const ENOUGH_ENERGY: f64 = 2.0;
@@ -81,24 +85,39 @@ pub(super) fn law(
             _ => {
                 // The disc does not depend on relaxation, so that all temperatures have the same cells.
                 let stack = Stack::new(&moduli(0.0))?;
+                let rigidity = Section::new(&stack).rigidity;
                 let areal_density: f64 =
                     given.iter().map(|layer| layer.material.instantaneous.density * layer.thickness).sum();
-                let impedance = 8.0 * (Section::new(&stack).rigidity * areal_density).sqrt();
-                let is_enough = |disc: &f64| {
-                    let law = law(&stack, *disc);
-                    law.capacity() >= ENOUGH_ENERGY * energy
-                        || law.largest_force() >= ENOUGH_FORCE * impedance * impactor.speed
-                };
-                let discs = DISCS.map(|factor| (factor * stack.thickness()).min(room));
-                discs.into_iter().find(is_enough).unwrap_or(discs[DISCS.len() - 1])
+                let impedance = 8.0 * (rigidity * areal_density).sqrt();
+                let mut chosen = DISCS[0] * stack.thickness();
+                for disc in DISCS.map(|factor| (factor * stack.thickness()).min(room)) {
+                    let law = law(&stack, disc);
+                    let Some(force_law) = table(&law) else { continue };
+                    let duration = force_law.contact_time(impactor.mass, impactor.speed);
+                    let wavenumber = (PI / duration).sqrt() * (areal_density / rigidity).powf(0.25);
+                    if disc > chosen && disc * wavenumber > LARGEST_PHASE {
+                        break;
+                    }
+                    chosen = disc;
+                    let is_strong = law.largest_force() >= ENOUGH_FORCE * impedance * impactor.speed;
+                    if is_strong || law.capacity() >= ENOUGH_ENERGY * energy {
+                        break;
+                    }
+                }
+                chosen
             }
         };
         let law = law(&stack, disc);
-        let points: Vec<[f64; 2]> = law.points.iter().map(|point| [point.indentation, point.force]).collect();
-        let force_law = ForceLaw::Table(Table::new(&points).ok()?);
+        let force_law = table(&law)?;
         let radii = law.points.iter().map(|point| [point.force, point.radius]).collect();
         let contact = SoftContact { force_law, compliance: law.compliance, radii, disc };
         (law.capacity() >= LEAST_ENERGY * energy).then_some(contact)
     };
     law().map_or(SoftLayer::Untreated, |contact| SoftLayer::Law(Arc::new(contact)))
+}
+
+/// Force law through the points of a contact; `None` if there are too few.
+fn table(law: &ContactLaw) -> Option<ForceLaw> {
+    let points: Vec<[f64; 2]> = law.points.iter().map(|point| [point.indentation, point.force]).collect();
+    Table::new(&points).ok().map(ForceLaw::Table)
 }
