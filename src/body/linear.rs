@@ -45,7 +45,7 @@ pub struct Properties {
     pub force: Vec<f64>,
     /// Local compliance c_l of the contact law, m/N.
     pub compliance: f64,
-    /// What carries the contact pressure.
+    /// Distribution of the contact force on the surface.
     pub footprint: Footprint,
     /// Rigid translation of the whole body by one unit in the impactor's direction.
     pub translation: Vec<f64>,

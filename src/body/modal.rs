@@ -24,7 +24,7 @@ pub struct ModalBody {
     pub compliance: f64,
     /// Number of such parts that form the whole.
     pub multiplicity: f64,
-    /// What carries the contact pressure.
+    /// Distribution of the contact force on the surface.
     pub footprint: Footprint,
 }
 

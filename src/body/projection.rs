@@ -40,7 +40,7 @@ pub struct Projection {
     pub compliance: f64,
     /// Number of such parts that form the whole.
     pub multiplicity: f64,
-    /// What carries the contact pressure.
+    /// Distribution of the contact force on the surface.
     pub footprint: Footprint,
     /// Unilateral foundations, whose springs are included in `support`.
     pub foundation: Option<FoundationPoints>,

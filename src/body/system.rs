@@ -46,7 +46,7 @@ pub struct System {
     pub localization: Vec<f64>,
     /// Local compliance c of the contact law α = δ + c F, m/N, of the modelled part.
     pub compliance: f64,
-    /// What carries the contact pressure.
+    /// Distribution of the contact force on the surface.
     pub footprint: Footprint,
     /// Stresses σ_a, σ_b and σ_ab, Pa, on the face opposite the impact point, along its axes, as linear forms. Empty if
     /// they are not read.

@@ -15,11 +15,11 @@ pub struct Localization {
     /// Local compliance c_l, m/N: the part of aᵀu for F = 1 N that Hertz's law already contains, α = δ + c_l F; 0 for a
     /// point force.
     pub compliance: f64,
-    /// What carries the force.
+    /// Distribution of the force on the surface.
     pub footprint: Footprint,
 }
 
-/// What carries the contact force on the surface of a body.
+/// Distribution of the contact force on the surface of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Footprint {
     /// One point, in a theory without a local field or as in the paper.

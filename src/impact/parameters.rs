@@ -23,6 +23,8 @@ pub struct ImpactParameters {
     pub law: Law,
     /// What carries the force.
     pub footprint: Footprint,
+    /// Whether the law is that of a soft layer.
+    pub has_soft_law: bool,
     /// Number n of equal parts of the whole body.
     pub multiplicity: f64,
 }
@@ -48,6 +50,7 @@ impl ImpactParameters {
             weight: impactor.mass / multiplicity * impactor.gravity,
             law: Law { force_law: force_law.part(multiplicity), compliance, damping: impactor.damping },
             footprint,
+            has_soft_law: soft.is_some(),
             multiplicity,
         }
     }
@@ -90,17 +93,23 @@ impl ImpactParameters {
             ));
         }
         if law.ends() {
+            let (what, remedy) = match self.has_soft_law {
+                true => (
+                    "the contact law of the soft layer",
+                    "A larger contact.disc_radius, up to the distance to the edge, moves this end, but errors by waves under the disc are not \
+                     estimated; or reduce the mass or the speed",
+                ),
+                false => ("contact.table", "The table has to go on, or the impactor has to be lighter or slower"),
+            };
             return Err(Error::Solve(format!(
-                "the impactor has come to the end of contact.table, or of the law of a soft layer, an indentation of {:.4e} m at a \
-                 force of {:.4e} N: the table has to go on (or, on a soft layer, contact.disc_radius has to be larger), or the impactor \
-                 has to be lighter or slower",
+                "the impactor has come to the end of {what}, an indentation of {:.4e} m at a force of {:.4e} N. {remedy}",
                 law.force_law.end(),
                 self.multiplicity * law.force(law.limit())
             )));
         }
         let (what, remedy) = match self.footprint {
             Footprint::Disc => (
-                "too wide for the disc that carries the force, or for a half-space of the layer that is hit",
+                "too wide for the contact law",
                 "A larger contact.disc_radius, or a hit farther from edges and supports, is needed",
             ),
             Footprint::Patch(_) | Footprint::Point => (

@@ -40,8 +40,8 @@ pub enum SoftLayer {
     None,
     /// Law on plates, and on spline solids without a patch of a given radius.
     Law(Arc<SoftContact>),
-    /// The layer is treated as a half-space, which is inaccurate: it is viscoelastic, or the hit is near an edge, or a face
-    /// of the box is supported.
+    /// The layer is treated as a half-space, which is inaccurate: it is viscoelastic, or the hit is near an edge or
+    /// near a support on a face.
     Untreated,
 }
 

@@ -13,8 +13,8 @@
 //!
 //! F = −4a/(5R C′(a)),   α = F C(a) + a²/(5R).
 //!
-//! For g = 0 this is Hertz's law. Under a thin soft layer C(a) is negative, because a point force on the layer indents it
-//! more than a disc, and a part of the deflection that the body has under its own, wider disc is taken back:
+//! For g = 0 this is Hertz's law. On a thin soft layer C(a) is positive but far larger than the local deflection, because it is
+//! relative to that of a point force. The body carries the force on a wider disc; c F is the part of α that is not local to it:
 //!
 //! c = (1/2π) ∫ {H P_d² + (Γ − H) (P_d² − 1)} ξ dξ,
 //!

@@ -222,8 +222,8 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
                 impactor.soft_contact().is_some() && patch.is_none() && scene.body.model != Theory::HalfSpace;
             if impactor.soft_layer != SoftLayer::None && !has_own_law {
                 let text = "the layer that is hit is softer than another, and Hertz's law of a half-space is used, with an error that \
-                            is not estimated: a patch radius is given, or the layer is viscoelastic, or a face is supported under the hit, or the \
-                            contact is too wide for its distance from the edges";
+                            is not estimated: contact.patch_radius is given, or the theory has no layers, or the layer is viscoelastic, or an edge \
+                            or a support on a face is too near";
                 add("soft layer", 1.0, text.to_owned());
             }
             let of_contact = impactor.radius.map_or(0.0, |radius| (radius * indentation).sqrt());

@@ -10,10 +10,12 @@ use super::super::{
 use crate::contact::{ForceLaw, Hertz, Table};
 use crate::stack::{ContactLaw, Layer, Section, Sphere, Stack};
 
-/// Largest Young's modulus of an impacted layer that counts as soft, as a fraction of the largest of all layers: if no other
-/// layer is softer, and if one is, as in a laminate. (There an impacted ply also bends separately on its interlayer, which a wide
-/// disc does not show.) Harder layers have Hertz's law of a half-space, as bodies of one material.
-const SOFT: [f64; 2] = [0.99, 0.5];
+/// Largest Young's modulus of a soft impacted layer, as a fraction of the largest of all layers, if no other layer is softer.
+const SOFT_OUTERMOST: f64 = 0.99;
+
+/// The same if another layer is softer, as the interlayer of a laminate. A ply on an interlayer also bends separately, which a wide
+/// disc does not show.
+const SOFT_ON_SOFTER: f64 = 0.5;
 
 /// Largest ξH of the longest wave, H the thickness of the stack. It is otherwise the longest wave on the body.
 const LONGEST_WAVE: f64 = 0.05;
@@ -66,7 +68,7 @@ pub(super) fn law(
     let struck = layers[0].young;
     let stiffest = layers.iter().map(|layer| layer.young).fold(0.0, f64::max);
     let is_on_softer = layers.iter().any(|layer| layer.young < struck);
-    if struck >= SOFT[usize::from(is_on_softer)] * stiffest {
+    if struck >= if is_on_softer { SOFT_ON_SOFTER } else { SOFT_OUTERMOST } * stiffest {
         return SoftLayer::None;
     }
     // Hertz's law has the instantaneous modulus of a viscoelastic layer. The stack has free faces.

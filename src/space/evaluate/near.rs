@@ -180,7 +180,7 @@ impl ContactSize {
         ContactNow { force, radius: self.radius(force, indentation) }
     }
 
-    /// Contact radius (m) at the peak of an impact on a fixed half-space.
+    /// Contact radius (m) at the peak of an impact on a body that does not deflect.
     pub fn at_peak(&self, impactor: &Impactor) -> f64 {
         let force_law = self.soft.as_ref().map_or(&impactor.force_law, |soft| &soft.force_law);
         self.radius(force_law.peak_force(impactor.mass, impactor.speed), impactor.peak_indentation())
@@ -277,9 +277,8 @@ impl NearHit {
         (0..3).filter(|&axis| axis != self.struck).map(|axis| (x[axis] - self.point[axis]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Whether a point is under the contact with a soft layer: on the face that is hit, or so little below that the local field does
-    /// not resolve it. There the stress without Hertz's field, which is reported separately, is a tension that does not exist: the
-    /// layer is compressed between the impactor and the stiffer layers.
+    /// Whether a point is the impact point of a contact with a soft layer, or below it at a depth that the local field does not
+    /// resolve. Hertz's field is reported separately; the rest of the stress there is a spurious tension.
     pub fn is_under_soft_contact(&self, x: Vec3) -> bool {
         let depth = (x[self.struck] - self.point[self.struck]).abs();
         let is_resolved = depth > (LEAST_DEPTH_OVER_CONTACT * self.largest).max(1e-6 * self.thickness());

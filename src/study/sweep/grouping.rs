@@ -132,7 +132,7 @@ impl Grouping {
     }
 
     /// The theory for all members: the highest one that `auto` selects for the first, the last and the most demanding
-    /// member. Of these, members whose models cannot be made are passed over. Collective.
+    /// member. Of these, members whose models cannot be solved or do not fit their meshes are passed over. Collective.
     ///
     /// # Errors
     /// Same as making a model, if none of these models can be made.
