@@ -21,7 +21,7 @@ pub struct ImpactParameters {
     pub weight: f64,
     /// Contact law Φ(δ) of the modelled part.
     pub law: Law,
-    /// What carries the force.
+    /// Distribution of the force on the surface.
     pub footprint: Footprint,
     /// Whether the law is that of a soft layer.
     pub has_soft_law: bool,

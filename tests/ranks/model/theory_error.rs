@@ -8,7 +8,7 @@ use crate::modelled::{Ran, parse, run};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::contact::hertz;
-use ricochet::model::mindlin_error_over_difference;
+use ricochet::model::{Model, mindlin_error_over_difference};
 use ricochet::space::plate::crossing;
 
 pub const RANKS: &[usize] = &[1];
@@ -19,6 +19,7 @@ pub const TESTS: &[Test<Session>] = tests![
     solid_laminates_bend_under_the_disc,
     soft_layers_are_compressed_by_the_contact,
     coats_of_any_thickness_are_compressed,
+    rubber_takes_a_wider_disc,
 ];
 pub const LONG: &[Test<Session>] = tests![the_estimate_is_above_the_error_on_more_scenes];
 
@@ -303,6 +304,31 @@ fn coats_of_any_thickness_are_compressed(session: &Session) {
         );
         before = modes;
     }
+}
+
+/// A sheet of rubber on glass: plate and solid on the disc that is chosen, and the plate on a wider one. On a narrow disc the law
+/// ends before the force of the impact, with a message.
+fn rubber_takes_a_wider_disc(session: &Session) {
+    let scene = |model: &str, contact: &str| {
+        format!(
+            "[body]\nmodel = \"{model}\"\nsize = [0.5, 0.5]\n\
+             [[body.layer]]\nthickness = 0.005\nmaterial = \"rubber\"\n[[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n\
+             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+             [material.rubber]\nyoung = 5e6\npoisson = 0.49\ndensity = 1100.0\n\
+             [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n\
+             [contact]\n{contact}[time]\nend = 4e-3\n[accuracy]\ntolerance = 5e-3\n"
+        )
+    };
+    let run = |model: &str, contact: &str| run(&session.world(), &scene(model, contact));
+    let plate = run("layerwise", "");
+    let others = [("solid", ""), ("layerwise", "disc_radius = 0.12\n")].map(|(model, disc)| run(model, disc));
+    let differences = others.map(|other| plate.difference(&other).0);
+    println!("  solid, wider disc: {differences:.4?}");
+    // Each run has a tolerance of 5e-3.
+    assert!(differences.iter().all(|difference| *difference < 1e-2), "{differences:?}");
+    let narrow = Model::new(&session.world(), &parse(&scene("layerwise", "disc_radius = 0.03\n")));
+    let error = narrow.err().expect("the law ends").to_string();
+    assert!(error.contains("the end of the contact law of the soft layer"), "{error}");
 }
 
 /// The force on a ply that is thin compared with the plate, on a soft interlayer: solids on loaded discs of two radii, and
