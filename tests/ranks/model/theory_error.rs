@@ -244,19 +244,25 @@ fn edges_twist_as_those_of_solids(session: &Session) {
     }
 }
 
+const PLASTIC: &str = "young = 2.4e9\npoisson = 0.38\ndensity = 1200.0\n";
+
+/// A square pane of a layer on glass (thicknesses in m), hit in its centre by a steel ball of a mass (kg) at 2 m/s.
+fn on_glass((model, edge): (&str, f64), [layer, glass]: [f64; 2], material: &str, mass: f64, rest: &str) -> String {
+    format!(
+        "[body]\nmodel = \"{model}\"\nsize = [{edge}, {edge}]\n\
+         [[body.layer]]\nthickness = {layer:e}\nmaterial = \"layer\"\n[[body.layer]]\nthickness = {glass}\nmaterial = \"glass\"\n\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n[material.layer]\n{material}\
+         [impactor]\nmass = {mass:?}\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n{rest}"
+    )
+}
+
 /// A plastic layer on glass, hit by a sphere whose contact disc is half as wide as the layer is thick: solids on loaded
 /// discs of two radii, and a layerwise plate, whose disc is another. (With Hertz's law the plate and the solid differ by
 /// 13% on a larger pane.)
 fn soft_layers_are_compressed_by_the_contact(session: &Session) {
     let scene = |model: &str, contact: &str| {
-        format!(
-            "[body]\nmodel = \"{model}\"\nsize = [0.12, 0.12]\n\
-             [[body.layer]]\nthickness = 0.006\nmaterial = \"plastic\"\n[[body.layer]]\nthickness = 0.008\nmaterial = \"glass\"\n\
-             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
-             [material.plastic]\nyoung = 2.4e9\npoisson = 0.38\ndensity = 1200.0\n\
-             [impactor]\nmass = 0.5\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n\
-             [contact]\n{contact}[time]\nend = 4e-4\n[accuracy]\ntolerance = 5e-3\n"
-        )
+        let rest = format!("[contact]\n{contact}[time]\nend = 4e-4\n[accuracy]\ntolerance = 5e-3\n");
+        on_glass((model, 0.12), [0.006, 0.008], PLASTIC, 0.5, &rest)
     };
     let run = |model: &str, contact: &str| run(&session.world(), &scene(model, contact));
     let [narrow, wide] = ["", "disc_radius = 0.04\n"].map(|disc| run("solid", disc));
@@ -271,28 +277,15 @@ fn soft_layers_are_compressed_by_the_contact(session: &Session) {
 /// same peak force, which falls as the coat gets thicker. (With vibrations left out by too large a bound of the law's tangent,
 /// the force on 1 mm was wrong by 40%.)
 fn coats_of_any_thickness_are_compressed(session: &Session) {
-    let scene = |layers: &str, time: &str| {
-        format!(
-            "[body]\n{layers}[impactor]\nmass = 0.5\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n\
-             [time]\nend = 4e-4\n{time}[accuracy]\ntolerance = 5e-3\n"
-        )
+    let rest = |time: &str| format!("[time]\nend = 4e-4\n{time}[accuracy]\ntolerance = 5e-3\n");
+    let coated = |thickness: f64, time: &str| {
+        run(&session.world(), &on_glass(("layerwise", 0.12), [thickness, 0.008], PLASTIC, 0.5, &rest(time))).peak()
     };
-    let coated = |thickness: f64| {
-        format!(
-            "model = \"layerwise\"\nsize = [0.12, 0.12]\n\
-             [[body.layer]]\nthickness = {thickness}\nmaterial = \"plastic\"\n[[body.layer]]\nthickness = 0.008\nmaterial = \"glass\"\n\
-             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
-             [material.plastic]\nyoung = 2.4e9\npoisson = 0.38\ndensity = 1200.0\n"
-        )
-    };
-    let peak = |text: &str| run(&session.world(), text).peak();
-    let mut before = peak(&scene(
-        "model = \"mindlin\"\nsize = [0.12, 0.12, 0.008]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n",
-        "",
-    ));
+    let bare = "[body]\nmodel = \"mindlin\"\nsize = [0.12, 0.12, 0.008]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+                [impactor]\nmass = 0.5\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n";
+    let mut before = run(&session.world(), &format!("{bare}{}", rest(""))).peak();
     for thickness in [1e-6, 5e-4, 1e-3] {
-        let [modes, steps] =
-            ["", "scheme = \"newmark\"\nstep = 1e-6\n"].map(|time| peak(&scene(&coated(thickness), time)));
+        let [modes, steps] = ["", "scheme = \"newmark\"\nstep = 1e-6\n"].map(|time| coated(thickness, time));
         println!("  {thickness} m: {modes:.0} m/s² by modes, {steps:.0} m/s² by steps; before {before:.0} m/s²");
         // The tolerance of 5e-3, and as much for cells that the run in steps does not refine.
         assert!((modes / steps - 1.0).abs() < 1e-2, "{thickness}: {modes} {steps}");
@@ -309,15 +302,10 @@ fn coats_of_any_thickness_are_compressed(session: &Session) {
 /// A sheet of rubber on glass: plate and solid on the disc that is chosen, and the plate on a wider one. On a narrow disc the law
 /// ends before the force of the impact, with a message.
 fn rubber_takes_a_wider_disc(session: &Session) {
+    let rubber = "young = 5e6\npoisson = 0.49\ndensity = 1100.0\n";
     let scene = |model: &str, contact: &str| {
-        format!(
-            "[body]\nmodel = \"{model}\"\nsize = [0.5, 0.5]\n\
-             [[body.layer]]\nthickness = 0.005\nmaterial = \"rubber\"\n[[body.layer]]\nthickness = 0.01\nmaterial = \"glass\"\n\
-             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
-             [material.rubber]\nyoung = 5e6\npoisson = 0.49\ndensity = 1100.0\n\
-             [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n\
-             [contact]\n{contact}[time]\nend = 4e-3\n[accuracy]\ntolerance = 5e-3\n"
-        )
+        let rest = format!("[contact]\n{contact}[time]\nend = 4e-3\n[accuracy]\ntolerance = 5e-3\n");
+        on_glass((model, 0.5), [0.005, 0.01], rubber, 2.0, &rest)
     };
     let run = |model: &str, contact: &str| run(&session.world(), &scene(model, contact));
     let plate = run("layerwise", "");
