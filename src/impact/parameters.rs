@@ -23,8 +23,8 @@ pub struct ImpactParameters {
     pub law: Law,
     /// Distribution of the force on the surface.
     pub footprint: Footprint,
-    /// Whether the law is that of a soft layer.
-    pub has_soft_law: bool,
+    /// Whether the law is that of a sphere on the layers of the body.
+    pub has_law_of_layers: bool,
     /// Number n of equal parts of the whole body.
     pub multiplicity: f64,
 }
@@ -38,9 +38,9 @@ impl ImpactParameters {
     /// Returns the parameters of an impactor on one of `multiplicity` parts of a body. `compliance` is c_l of Hertz's law on
     /// that part, m/N.
     pub fn of(impactor: &scene::Impactor, multiplicity: f64, (compliance, footprint): (f64, Footprint)) -> Self {
-        let soft = impactor.soft_contact().filter(|_| footprint == Footprint::Disc);
-        let (force_law, compliance) = match soft {
-            Some(soft) => (&soft.force_law, compliance - multiplicity * soft.compliance),
+        let layered = impactor.layered_contact().filter(|_| footprint == Footprint::Disc);
+        let (force_law, compliance) = match layered {
+            Some(layered) => (&layered.force_law, compliance - multiplicity * layered.compliance),
             None => (&impactor.force_law, compliance),
         };
         Self {
@@ -50,7 +50,7 @@ impl ImpactParameters {
             weight: impactor.mass / multiplicity * impactor.gravity,
             law: Law { force_law: force_law.part(multiplicity), compliance, damping: impactor.damping },
             footprint,
-            has_soft_law: soft.is_some(),
+            has_law_of_layers: layered.is_some(),
             multiplicity,
         }
     }
@@ -93,9 +93,9 @@ impl ImpactParameters {
             ));
         }
         if law.ends() {
-            let (what, remedy) = match self.has_soft_law {
+            let (what, remedy) = match self.has_law_of_layers {
                 true => (
-                    "the contact law of the soft layer",
+                    "the contact law of the layers",
                     "A larger contact.disc_radius, up to the distance to the edge, moves this end, but errors by waves under the disc are not \
                      estimated; or reduce the mass or the speed",
                 ),

@@ -17,8 +17,8 @@ pub struct Impactor {
     pub stiffness: f64,
     /// Contact law F(α).
     pub force_law: ForceLaw,
-    /// Contact with a layer that is softer than others of the body.
-    pub soft_layer: SoftLayer,
+    /// Effect of the other layers of the body on the contact.
+    pub layer_effect: LayerEffect,
     /// Damping d of Hunt and Crossley's factor 1 + d α̇, s/m.
     pub damping: f64,
     /// Speed along the direction at t = 0, m/s.
@@ -33,21 +33,20 @@ pub struct Impactor {
     pub gravity: f64,
 }
 
-/// Contact with an impacted layer that is softer than others of the body.
+/// Effect of the layers below the impacted one on the contact.
 #[derive(Debug, Clone, PartialEq)]
-pub enum SoftLayer {
-    /// The impacted layer is not soft, or Hertz's law is not asked for.
-    None,
+pub enum LayerEffect {
+    /// The impacted layer is like a half-space, or Hertz's law is not asked for.
+    Negligible,
     /// Law on plates, and on spline solids without a patch of a given radius.
-    Law(Arc<SoftContact>),
-    /// The layer is treated as a half-space, which is inaccurate: it is viscoelastic, or the hit is near an edge or
-    /// near a support on a face.
-    Untreated,
+    Law(Arc<LayeredContact>),
+    /// The layer is treated as a half-space, which is inaccurate. The reason is a clause.
+    Untreated(&'static str),
 }
 
-/// Contact with a soft layer.
+/// Contact with a stack of layers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SoftContact {
+pub struct LayeredContact {
     /// Law in place of F(α). Its indentation is the approach minus the mean displacement of the loaded disc on an infinite
     /// plate.
     pub force_law: ForceLaw,
@@ -60,7 +59,7 @@ pub struct SoftContact {
     pub disc: f64,
 }
 
-impl SoftContact {
+impl LayeredContact {
     /// Contact radius (m) at a force (N): a power of the force between the known ones.
     pub fn radius(&self, force: f64) -> f64 {
         let number = self.radii.partition_point(|[at, _]| *at < force).clamp(1, self.radii.len() - 1);
@@ -72,14 +71,15 @@ impl SoftContact {
 }
 
 impl Impactor {
-    /// The contact with a soft layer, if it has a law of its own.
-    pub fn soft_contact(&self) -> Option<&Arc<SoftContact>> {
-        if let SoftLayer::Law(contact) = &self.soft_layer { Some(contact) } else { None }
+    /// The contact with the layers of the body, if it has a law of its own.
+    pub fn layered_contact(&self) -> Option<&Arc<LayeredContact>> {
+        if let LayerEffect::Law(contact) = &self.layer_effect { Some(contact) } else { None }
     }
 
-    /// Whether another impactor has the same motion and the same contact law on a hard body.
+    /// Whether another impactor has the same motion and the same contact law on a half-space.
     pub fn is_like(&self, other: &Self) -> bool {
-        Self { soft_layer: SoftLayer::None, ..self.clone() } == Self { soft_layer: SoftLayer::None, ..other.clone() }
+        Self { layer_effect: LayerEffect::Negligible, ..self.clone() }
+            == Self { layer_effect: LayerEffect::Negligible, ..other.clone() }
     }
 
     /// Duration of a contact with a fixed half-space without damping, s.
@@ -88,11 +88,12 @@ impl Impactor {
     }
 
     /// Time (s) by which bases are made: the duration of the contact with a fixed half-space, halved as often as the contact with a
-    /// soft layer requires. (On a thin coat it may be a fifth.)
+    /// stack of layers requires. (On a thin coat it may be a fifth.)
     pub fn basis_time(&self) -> f64 {
         let time = self.contact_time();
-        let of_soft = self.soft_contact().map_or(time, |soft| soft.force_law.contact_time(self.mass, self.speed));
-        time * (of_soft / time).log2().floor().clamp(-10.0, 0.0).exp2()
+        let of_layers =
+            self.layered_contact().map_or(time, |layered| layered.force_law.contact_time(self.mass, self.speed));
+        time * (of_layers / time).log2().floor().clamp(-10.0, 0.0).exp2()
     }
 
     /// Time (s) at which viscoelastic layers are taken as elastic in local fields, which are static: half the contact time.

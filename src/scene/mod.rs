@@ -40,7 +40,7 @@ pub use doubts::{Doubt, doubts};
 pub use error::SceneError;
 pub(crate) use faces::faces;
 pub use fault::Fault;
-pub use impactor::{Impactor, SoftContact, SoftLayer};
+pub use impactor::{Impactor, LayerEffect, LayeredContact};
 pub use load::{Load, Traction};
 pub use output::{Measure, Output, Probe};
 pub use source::Source;

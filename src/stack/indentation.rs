@@ -106,19 +106,81 @@ fn slope(x: f64) -> f64 {
     sum / x
 }
 
-impl Stack {
-    /// Law of the contact with a sphere, for an impact of an energy (J) that determines the first contact radius. `longest`
-    /// is the wavenumber (1/m) of the longest wave, `disc` the radius (m) of the disc on which the body carries the force.
-    pub fn contact_law(&self, sphere: &Sphere, longest: f64, disc: f64, energy: f64) -> ContactLaw {
-        let beyond = Beyond::new(self, longest);
-        let compliance = self.lacking(&beyond, disc);
-        ContactLaw { points: points(&beyond, sphere, compliance, energy), compliance }
+/// Contact of a sphere with a stack, on any disc.
+pub struct SphereOnStack<'a> {
+    stack: &'a Stack,
+    sphere: Sphere,
+    beyond: Beyond,
+    /// First contact radius, m.
+    first: f64,
+    /// States that were needed so far; each takes a sum over all waves.
+    states: Vec<State>,
+}
+
+/// State of the contact, whose indentation is relative to a point force on the stack.
+#[derive(Clone, Copy)]
+struct State {
+    /// Contact radius a, m.
+    radius: f64,
+    /// Force F, N.
+    force: f64,
+    /// Approach F C(a) + a²/5R, m.
+    approach: f64,
+}
+
+impl<'a> SphereOnStack<'a> {
+    /// Contact in an impact of an energy (J) that determines the first contact radius. `longest` is the wavenumber (1/m) of the
+    /// longest wave.
+    pub fn new(stack: &'a Stack, sphere: Sphere, longest: f64, energy: f64) -> Self {
+        let of_hertz = (2.5 * energy / (4.0 / 3.0 * sphere.modulus * sphere.radius.sqrt())).powf(0.4);
+        let first = FIRST * (sphere.radius * of_hertz).sqrt();
+        Self { stack, sphere, beyond: Beyond::new(stack, longest), first, states: Vec::new() }
+    }
+
+    /// Law of the contact, for a disc of a radius (m) on which the body carries the force.
+    pub fn on_disc(&mut self, disc: f64) -> ContactLaw {
+        let compliance = self.lacking(disc);
+        ContactLaw { points: self.points(compliance), compliance }
+    }
+
+    /// Points of the law whose indentations are without `compliance` (m/N) times the force.
+    fn points(&mut self, compliance: f64) -> Vec<ContactPoint> {
+        let mut points = vec![ContactPoint::default()];
+        while let Some(State { radius, force, approach }) = self.state(points.len() - 1) {
+            let indentation = approach - compliance * force;
+            let before = points[points.len() - 1];
+            let (rise, width) = (force - before.force, indentation - before.indentation);
+            if !(rise > 0.0 && width > 0.0 && rise * indentation < STEEPEST * force * width) {
+                break;
+            }
+            points.push(ContactPoint { indentation, force, radius });
+        }
+        points
+    }
+
+    /// A state by its number; `None` beyond the largest radius, or where the mean displacement no longer falls with the radius.
+    fn state(&mut self, number: usize) -> Option<State> {
+        if number < self.states.len() || number >= MOST_POINTS {
+            return self.states.get(number).copied();
+        }
+        let Sphere { radius, modulus } = self.sphere;
+        let a = self.states.last().map_or(self.first, |last| GROWTH * last.radius);
+        let ([g, slope], half_space) = (self.beyond.at(a), 0.6 / (modulus * a));
+        // a C′(a), negative.
+        let slope = slope - half_space;
+        if slope.is_nan() || slope >= 0.0 {
+            return None;
+        }
+        let force = -0.8 * a * a / (radius * slope);
+        let state = State { radius: a, force, approach: force * (half_space + g) + 0.2 * a * a / radius };
+        self.states.push(state);
+        Some(state)
     }
 
     /// c of the module's documentation, m/N.
-    fn lacking(&self, beyond: &Beyond, disc: f64) -> f64 {
-        let (spread, struck) = (Spread::new(0.0), self.layers()[0]);
-        let of_waves = beyond.0.iter().map(|(xi, weight)| weight * spread.over_waves(xi * disc));
+    fn lacking(&self, disc: f64) -> f64 {
+        let (spread, struck) = (Spread::new(0.0), self.stack.layers()[0]);
+        let of_waves = self.beyond.0.iter().map(|(xi, weight)| weight * spread.over_waves(xi * disc));
         0.6 * (1.0 - struck.poisson.powi(2)) / struck.young * spread.compliance() / disc + of_waves.sum::<f64>()
     }
 }
@@ -157,29 +219,6 @@ pub struct ContactPoint {
     pub radius: f64,
 }
 
-/// States of the contact; the indentations are without `compliance` (m/N) times the force.
-fn points(beyond: &Beyond, sphere: &Sphere, compliance: f64, energy: f64) -> Vec<ContactPoint> {
-    let Sphere { radius, modulus } = *sphere;
-    let of_hertz = (2.5 * energy / (4.0 / 3.0 * modulus * radius.sqrt())).powf(0.4);
-    let mut points = vec![ContactPoint::default()];
-    let mut a = FIRST * (radius * of_hertz).sqrt();
-    while points.len() <= MOST_POINTS {
-        let ([g, slope], half_space) = (beyond.at(a), 0.6 / (modulus * a));
-        // a C′(a), negative.
-        let slope = slope - half_space;
-        let force = -0.8 * a * a / (radius * slope);
-        let indentation = force * (half_space + g - compliance) + 0.2 * a * a / radius;
-        let before = points[points.len() - 1];
-        let (rise, width) = (force - before.force, indentation - before.indentation);
-        if !(slope < 0.0 && rise > 0.0 && width > 0.0 && rise * indentation < STEEPEST * force * width) {
-            break;
-        }
-        points.push(ContactPoint { indentation, force, radius: a });
-        a *= GROWTH;
-    }
-    points
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,8 +241,8 @@ mod tests {
     #[test]
     fn small_discs_have_hertzs_law() {
         let energy = 1e-3;
-        let beyond = Beyond::new(&stack(&[(0.2, 2.4e9, 0.23), (0.1, 70e9, 0.23)]), 10.0);
-        let points = points(&beyond, &SPHERE, 0.0, energy);
+        let stack = stack(&[(0.2, 2.4e9, 0.23), (0.1, 70e9, 0.23)]);
+        let points = SphereOnStack::new(&stack, SPHERE, 10.0, energy).points(0.0);
         let found = ForceLaw::Table(table(&points));
         let hertz = ForceLaw::Hertz(Hertz { stiffness: 4.0 / 3.0 * SPHERE.modulus * SPHERE.radius.sqrt() });
         for part in [0.1, 0.5, 0.9] {
@@ -228,7 +267,7 @@ mod tests {
             let (_, modulus, layers) = cases.iter().find(|(case, ..)| *case == name).expect("a case");
             let [alpha, exact]: [f64; 2] = [alpha, force].map(|value| value.parse().expect("a number"));
             let sphere = Sphere { modulus: *modulus, ..SPHERE };
-            let points = points(&Beyond::new(&stack(layers), 10.0), &sphere, 0.0, exact * alpha);
+            let points = SphereOnStack::new(&stack(layers), sphere, 10.0, exact * alpha).points(0.0);
             let found = ForceLaw::Table(table(&points)).force(alpha);
             // Hertz's pressure in place of the true one: at most 0.3% here.
             assert!((found / exact - 1.0).abs() < 4e-3, "{line}: {found}");

@@ -4,7 +4,7 @@
 //! [`Stack`] is the exact three-dimensional solution for one wavenumber: bonded layers of any stiffness with a free
 //! lower face. [`Section`] is the same field in thin-plate theory, [`Layerwise`] in the layerwise plate theory.
 //! [`Transverse`] has the shear and the thickness strain of that theory, and [`flexural_frequency`] belongs to moving
-//! stacks. [`Stack::contact_law`] is the contact with a [`Sphere`]. [`LocalField`] sums over the wavenumbers. It contains the stresses that are missing in a discretised body, if the
+//! stacks. [`SphereOnStack`] is the contact with a [`Sphere`]. [`LocalField`] sums over the wavenumbers. It contains the stresses that are missing in a discretised body, if the
 //! body carries the force on a disc other than the contact disc or is modelled as a plate. [`half_space`] is Hertz's
 //! field.
 //!
@@ -32,7 +32,7 @@ mod transverse;
 mod wave;
 
 pub use flexural_wave::flexural_frequency;
-pub use indentation::{ContactLaw, ContactPoint, Sphere};
+pub use indentation::{ContactLaw, ContactPoint, Sphere, SphereOnStack};
 pub use layerwise::{Layerwise, LayerwiseWave};
 pub use level::Level;
 pub use local::{Carrier, LEAST_DEPTH_OVER_CONTACT, LocalField, Sections};

@@ -170,9 +170,9 @@ fn law(impactor: &Impactor) -> String {
             format!("force by a table of {} points up to {} m", table.points().len(), short(table.end()))
         }
     };
-    let law = match impactor.soft_contact() {
+    let law = match impactor.layered_contact() {
         Some(_) => format!(
-            "{law}, on plates and on spline solids without contact.patch_radius the law of a sphere on the soft layer"
+            "{law}, on plates and on spline solids without contact.patch_radius the law of a sphere on the layers"
         ),
         None => law,
     };

@@ -5,7 +5,7 @@ use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model;
 use crate::scene::{
-    Contact, Doubt, Geometry, Load, Model as Theory, Scene, Scheme, SoftLayer, Source, doubts, face_names, one_digit,
+    Contact, Doubt, Geometry, LayerEffect, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
 };
 use crate::scheme::critical_frequency;
 
@@ -218,13 +218,19 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     let indentation = impactor.peak_indentation();
     match &impactor.force_law {
         ForceLaw::Hertz(_) => {
-            let has_own_law =
-                impactor.soft_contact().is_some() && patch.is_none() && scene.body.model != Theory::HalfSpace;
-            if impactor.soft_layer != SoftLayer::None && !has_own_law {
-                let text = "the layer that is hit is softer than another, and Hertz's law of a half-space is used, with an error that \
-                            is not estimated: contact.patch_radius is given, or the theory has no layers, or the layer is viscoelastic, or an edge \
-                            or a support on a face is too near";
-                add("soft layer", 1.0, text.to_owned());
+            let reason = match impactor.layer_effect {
+                LayerEffect::Negligible => None,
+                LayerEffect::Untreated(reason) => Some(reason),
+                LayerEffect::Law(_) if patch.is_some() => Some("contact.patch_radius is given, or the body is a mesh"),
+                LayerEffect::Law(_) if scene.body.model == Theory::HalfSpace => Some("the half-space has no layers"),
+                LayerEffect::Law(_) => None,
+            };
+            if let Some(reason) = reason {
+                let text = format!(
+                    "the layer that is hit is softer than another, or thin compared with the contact, and Hertz's law of a half-space is \
+                     used, with an error that is not estimated: {reason}"
+                );
+                add("soft layer", 1.0, text);
             }
             let of_contact = impactor.radius.map_or(0.0, |radius| (radius * indentation).sqrt());
             if let Some(distance) = scene.distance_to_edge().filter(|distance| *distance < of_contact) {

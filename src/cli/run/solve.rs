@@ -182,12 +182,12 @@ fn record(
     }))
 }
 
-/// Radial tension at the edge of the contact. On a patch of a given radius a soft layer has Hertz's contact.
+/// Radial tension at the edge of the contact. On a patch of a given radius the contact is Hertz's.
 fn ring(scene: &Scene) -> Option<Ring> {
     let curvature = scene.impactor.radius.filter(|_| scene.output.stress)?;
     let is_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
-    let soft = scene.impactor.soft_contact().filter(|_| !is_given).cloned();
-    Some(Ring { factor: (1.0 - 2.0 * scene.body.struck().poisson) / (2.0 * PI), curvature, soft })
+    let layered = scene.impactor.layered_contact().filter(|_| !is_given).cloned();
+    Some(Ring { factor: (1.0 - 2.0 * scene.body.struck().poisson) / (2.0 * PI), curvature, layered })
 }
 
 /// Refuses the strength of a face that the body does not have.

@@ -20,7 +20,7 @@ pub(super) use write::{TensionDatasets, rings, rows};
 use std::sync::Arc;
 
 use crate::impact::step::Step;
-use crate::scene::{SoftContact, Strength};
+use crate::scene::{LayeredContact, Strength};
 
 /// Faces on which stresses are recorded.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -40,15 +40,15 @@ pub struct Ring {
     pub factor: f64,
     /// Radius R of the impactor, m: a² = Rα.
     pub curvature: f64,
-    /// Contact with a soft layer, which has another contact radius.
-    pub soft: Option<Arc<SoftContact>>,
+    /// Contact with a stack of layers, which has another contact radius.
+    pub layered: Option<Arc<LayeredContact>>,
 }
 
 impl Ring {
     /// The tension under a force (N) with an indentation (m), Pa.
     fn tension(&self, force: f64, indentation: f64) -> f64 {
-        match &self.soft {
-            Some(soft) => self.factor * force / soft.radius(force).powi(2),
+        match &self.layered {
+            Some(layered) => self.factor * force / layered.radius(force).powi(2),
             None => self.factor / self.curvature * force / indentation,
         }
     }

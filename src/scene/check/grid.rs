@@ -182,7 +182,7 @@ mod default {
 mod tests {
     use super::*;
     use crate::contact::{ForceLaw, Hertz};
-    use crate::scene::SoftLayer;
+    use crate::scene::LayerEffect;
 
     fn hit(size: Vec3, point: Vec3, contact: Contact, order: usize) -> [Vec<f64>; 3] {
         let direction = [0.0, 0.0, -1.0];
@@ -193,7 +193,7 @@ mod tests {
             radius: Some(0.05),
             stiffness: 1.7e10,
             force_law: ForceLaw::Hertz(Hertz { stiffness: 1.7e10 }),
-            soft_layer: SoftLayer::None,
+            layer_effect: LayerEffect::Negligible,
             damping: 0.0,
             speed: 1.0,
             point,

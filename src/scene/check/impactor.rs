@@ -1,7 +1,7 @@
 //! Checks the impactor: mass, radius, speed, impact point, direction and contact stiffness.
 
 use super::super::values::{Number, SurfacePoint, Three};
-use super::super::{Impactor, STANDARD_GRAVITY, SceneError, SoftLayer, Source, Vec3, faces, raw};
+use super::super::{Impactor, LayerEffect, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
 use super::body::Outline;
 use super::contact;
 use super::numbers::show;
@@ -36,7 +36,7 @@ pub(super) fn check(
         radius,
         stiffness,
         force_law,
-        soft_layer: SoftLayer::None,
+        layer_effect: LayerEffect::Negligible,
         damping: contact::damping(source, contact, speed)?,
         speed,
         point: point(source, raw, outline, direction)?,

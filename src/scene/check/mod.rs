@@ -5,6 +5,7 @@ mod composition;
 mod contact;
 mod grid;
 mod impactor;
+mod layer_contact;
 mod layers;
 mod material;
 mod modal;
@@ -12,7 +13,6 @@ mod numbers;
 mod output;
 mod plausible;
 mod relaxation;
-mod soft_layer;
 mod strength;
 mod support;
 mod symmetry;
@@ -85,7 +85,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     time::equilibrium(source, &time, &load, &supports)?;
     let temperature = material::temperature(source, &raw)?;
     if let Geometry::Box { size, .. } = geometry {
-        impactor.soft_layer = soft_layer::law(size, &composition, &supports, &impactor, contact);
+        impactor.layer_effect = layer_contact::law(size, &composition, &supports, &impactor, contact);
     }
     let body = Body { model, reduction, composition, temperature, geometry, order, symmetry, wavelength: None };
     let keys = plausible::Keys { stiffness: &stiffness_key, density: &density_key };

@@ -260,7 +260,7 @@ pub(super) fn of_box(
         let is_near = has_hit
             && !is_hit(*x)
             && near.is_some_and(|near| near.distance(*x) < NEAR_HIT_OVER_THICKNESS * near.thickness());
-        is_near || near.is_some_and(|near| near.is_under_soft_contact(*x))
+        is_near || near.is_some_and(|near| near.is_under_layered_contact(*x))
     };
     let local = |points: &[Vec3]| -> Vec<(usize, LocalPoint)> {
         let reached = points.iter().enumerate().filter_map(|(number, x)| {

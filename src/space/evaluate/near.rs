@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use crate::form::{Material, Spread};
-use crate::scene::{Contact, Geometry, Impactor, Scene, SoftContact, Vec3, faces};
+use crate::scene::{Contact, Geometry, Impactor, LayeredContact, Scene, Vec3, faces};
 use crate::stack::{
     Carrier, Cylindrical, LEAST_DEPTH_OVER_CONTACT, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack,
 };
@@ -93,8 +93,8 @@ pub struct ContactSize {
     pub curvature: Option<f64>,
     /// Prescribed contact radius, m.
     pub given: f64,
-    /// Contact with a soft layer, whose radius is not Hertz's.
-    pub soft: Option<Arc<SoftContact>>,
+    /// Contact with a stack of layers, whose radius is not Hertz's.
+    pub layered: Option<Arc<LayeredContact>>,
 }
 
 /// State of the contact at one time.
@@ -119,8 +119,8 @@ pub struct NearHit {
     /// Distances of the impact point from the edges, m.
     edges: [f64; 4],
     largest: f64,
-    /// Whether the impacted layer is soft and has its own contact law.
-    has_soft_contact: bool,
+    /// Whether the contact has the law of a sphere on the layers.
+    has_layered_contact: bool,
     by_sections: OnceCell<LocalField>,
     as_it_is: OnceCell<LocalField>,
     /// Field of the patch load of a mesh minus the field of a wide disc on a plate. Stress recovery cannot reproduce
@@ -161,15 +161,19 @@ impl ContactSize {
     /// point.
     pub fn new(scene: &Scene) -> Self {
         match scene.contact {
-            Contact::Patch { radius: Some(given), .. } => Self { curvature: None, given, soft: None },
-            _ => Self { curvature: scene.impactor.radius, given: 0.0, soft: scene.impactor.soft_contact().cloned() },
+            Contact::Patch { radius: Some(given), .. } => Self { curvature: None, given, layered: None },
+            _ => Self {
+                curvature: scene.impactor.radius,
+                given: 0.0,
+                layered: scene.impactor.layered_contact().cloned(),
+            },
         }
     }
 
     /// Contact radius (m) under a force (N) with an indentation (m).
     fn radius(&self, force: f64, indentation: f64) -> f64 {
-        match (&self.soft, self.curvature) {
-            (Some(soft), _) => soft.radius(force),
+        match (&self.layered, self.curvature) {
+            (Some(layered), _) => layered.radius(force),
             (None, Some(curvature)) => (curvature * indentation.max(0.0)).sqrt(),
             (None, None) => self.given,
         }
@@ -182,7 +186,7 @@ impl ContactSize {
 
     /// Contact radius (m) at the peak of an impact on a body that does not deflect.
     pub fn at_peak(&self, impactor: &Impactor) -> f64 {
-        let force_law = self.soft.as_ref().map_or(&impactor.force_law, |soft| &soft.force_law);
+        let force_law = self.layered.as_ref().map_or(&impactor.force_law, |layered| &layered.force_law);
         self.radius(force_law.peak_force(impactor.mass, impactor.speed), impactor.peak_indentation())
     }
 }
@@ -215,7 +219,7 @@ impl NearHit {
             point,
             edges,
             largest: (WIDEST * contact.at_peak(&scene.impactor)).max(LEAST_TABLE * size[struck]),
-            has_soft_contact: contact.soft.is_some(),
+            has_layered_contact: contact.layered.is_some(),
             by_sections: OnceCell::new(),
             as_it_is: OnceCell::new(),
             patch: OnceCell::new(),
@@ -277,12 +281,12 @@ impl NearHit {
         (0..3).filter(|&axis| axis != self.struck).map(|axis| (x[axis] - self.point[axis]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Whether a point is the impact point of a contact with a soft layer, or below it at a depth that the local field does not
+    /// Whether a point is the impact point of a contact with the law of the layers, or below it at a depth that the local field does not
     /// resolve. Hertz's field is reported separately; the rest of the stress there is a spurious tension.
-    pub fn is_under_soft_contact(&self, x: Vec3) -> bool {
+    pub fn is_under_layered_contact(&self, x: Vec3) -> bool {
         let depth = (x[self.struck] - self.point[self.struck]).abs();
         let is_resolved = depth > (LEAST_DEPTH_OVER_CONTACT * self.largest).max(1e-6 * self.thickness());
-        self.has_soft_contact && !is_resolved && self.distance(x) <= 1e-6 * self.thickness()
+        self.has_layered_contact && !is_resolved && self.distance(x) <= 1e-6 * self.thickness()
     }
 
     /// Whether stresses at a point are evaluated as means; the averaging disc must lie within the body.

@@ -105,19 +105,19 @@ impl PatchModel {
         // The moduli of a viscoelastic stack are those of one temperature. The disc does not depend on them, so that all
         // temperatures have the same cells.
         let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
-        let soft = impactor.soft_contact().filter(|_| given.is_none());
-        let has_soft_law = soft.is_some();
-        if let Some(soft) = soft {
-            disc = soft.disc.min(room);
+        let layered = impactor.layered_contact().filter(|_| given.is_none());
+        let has_law_of_layers = layered.is_some();
+        if let Some(layered) = layered {
+            disc = layered.disc.min(room);
         }
         let spread = Spread::new((radius / disc).min(1.0));
         let parts = Description::new(scene).parts;
-        let stack = stack(&parts, geometry, impactor.moduli_time()).filter(|_| is_wide_stack || has_soft_law);
+        let stack = stack(&parts, geometry, impactor.moduli_time()).filter(|_| is_wide_stack || has_law_of_layers);
         let of_stack = stack.map_or(0.0, |stack| stack_beyond_half_space(&stack, &spread, disc));
-        // Under a soft layer on a stiff one, Hertz's law with this part may have negative stiffness on any disc. The layer
+        // On layers without a law of their own, Hertz's law with this part may have negative stiffness on any disc. The layer
         // is then treated as a half-space.
         let (wanted, _) = limits(disc, compliance(disc) + of_stack);
-        let is_kept = has_soft_law || of_stack <= 0.0 || MARGIN * wanted <= disc;
+        let is_kept = has_law_of_layers || of_stack <= 0.0 || MARGIN * wanted <= disc;
         let of_stack = if is_kept { of_stack } else { 0.0 };
         Ok(Self { footprint, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
     }

@@ -23,7 +23,7 @@ pub struct BodyOf {
     measure: Measure,
     stress: bool,
     /// Radius of the disc under a soft layer with its own contact law, m.
-    soft_disc: Option<f64>,
+    disc_of_law: Option<f64>,
     /// Bulk moduli of the viscoelastic materials, Pa, as rounded text.
     bulk: Vec<String>,
     /// For each viscoelastic material, the index of the first one with the same chain. Materials with one chain share
@@ -84,7 +84,7 @@ impl BodyOf {
 
     fn relaxing_anyhow(scene: &Scene) -> Self {
         let Scene { mut body, supports, impactor, contact, load, time, output, measure, .. } = scene.clone();
-        let soft_disc = impactor.soft_contact().map(|soft| soft.disc);
+        let disc_of_law = impactor.layered_contact().map(|layered| layered.disc);
         let Impactor { point, direction, .. } = impactor;
         let (mut bulk, mut chains, mut alike) = (Vec::new(), Vec::new(), Vec::new());
         for material in body.composition.materials_mut() {
@@ -108,7 +108,7 @@ impl BodyOf {
             initial,
             measure,
             stress,
-            soft_disc,
+            disc_of_law,
             bulk,
             alike,
             local,

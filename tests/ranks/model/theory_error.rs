@@ -246,6 +246,8 @@ fn edges_twist_as_those_of_solids(session: &Session) {
 
 const PLASTIC: &str = "young = 2.4e9\npoisson = 0.38\ndensity = 1200.0\n";
 
+const CERAMIC: &str = "young = 200e9\npoisson = 0.25\ndensity = 3000.0\n";
+
 /// A square pane of a layer on glass (thicknesses in m), hit in its centre by a steel ball of a mass (kg) at 2 m/s.
 fn on_glass((model, edge): (&str, f64), [layer, glass]: [f64; 2], material: &str, mass: f64, rest: &str) -> String {
     format!(
@@ -273,28 +275,32 @@ fn soft_layers_are_compressed_by_the_contact(session: &Session) {
     assert!(narrow.error < 5e-3 && wide.error < 5e-3 && of_theory < 1e-2, "{of_theory:e}");
 }
 
-/// Plastic coats on glass, from one so thin that the contact is that of glass: vibrations and time steps of all unknowns give the
-/// same peak force, which falls as the coat gets thicker. (With vibrations left out by too large a bound of the law's tangent,
-/// the force on 1 mm was wrong by 40%.)
+/// Coats on glass, from one so thin that the contact is that of glass: vibrations and time steps of all unknowns give the
+/// same peak force. It falls as a coat of plastic gets thicker, and rises with a coat of ceramic. (With vibrations left out by too
+/// large a bound of the law's tangent, the force on 1 mm of plastic was wrong by 40%. With Hertz's law of a half-space of ceramic,
+/// that on 1 µm of it was a sixth of the force on glass.)
 fn coats_of_any_thickness_are_compressed(session: &Session) {
     let rest = |time: &str| format!("[time]\nend = 4e-4\n{time}[accuracy]\ntolerance = 5e-3\n");
-    let coated = |thickness: f64, time: &str| {
-        run(&session.world(), &on_glass(("layerwise", 0.12), [thickness, 0.008], PLASTIC, 0.5, &rest(time))).peak()
+    let coated = |thickness: f64, material: &str, time: &str| {
+        run(&session.world(), &on_glass(("layerwise", 0.12), [thickness, 0.008], material, 0.5, &rest(time))).peak()
     };
     let bare = "[body]\nmodel = \"mindlin\"\nsize = [0.12, 0.12, 0.008]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
                 [impactor]\nmass = 0.5\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n";
-    let mut before = run(&session.world(), &format!("{bare}{}", rest(""))).peak();
-    for thickness in [1e-6, 5e-4, 1e-3] {
-        let [modes, steps] = ["", "scheme = \"newmark\"\nstep = 1e-6\n"].map(|time| coated(thickness, time));
+    let glass = run(&session.world(), &format!("{bare}{}", rest(""))).peak();
+    let mut before = glass;
+    for (material, thickness) in [(PLASTIC, 1e-6), (PLASTIC, 5e-4), (PLASTIC, 1e-3), (CERAMIC, 1e-6), (CERAMIC, 1e-3)] {
+        let [modes, steps] = ["", "scheme = \"newmark\"\nstep = 1e-6\n"].map(|time| coated(thickness, material, time));
         println!("  {thickness} m: {modes:.0} m/s² by modes, {steps:.0} m/s² by steps; before {before:.0} m/s²");
         // The tolerance of 5e-3, and as much for cells that the run in steps does not refine.
         assert!((modes / steps - 1.0).abs() < 1e-2, "{thickness}: {modes} {steps}");
         // On glass alone the contact is small and the law Hertz's; a half-space under the contact in place of the plate changes
         // the peak by less than 1%.
-        assert!(
-            if thickness < 1e-5 { (modes / before - 1.0).abs() < 1e-2 } else { modes < 0.97 * before },
-            "{thickness}: {modes}"
-        );
+        let is_right = match thickness {
+            1e-6 => (modes / glass - 1.0).abs() < 1e-2,
+            _ if material == CERAMIC => modes > 1.03 * before,
+            _ => modes < 0.97 * before,
+        };
+        assert!(is_right, "{thickness}: {modes}");
         before = modes;
     }
 }
@@ -316,7 +322,7 @@ fn rubber_takes_a_wider_disc(session: &Session) {
     assert!(differences.iter().all(|difference| *difference < 1e-2), "{differences:?}");
     let narrow = Model::new(&session.world(), &parse(&scene("layerwise", "disc_radius = 0.03\n")));
     let error = narrow.err().expect("the law ends").to_string();
-    assert!(error.contains("the end of the contact law of the soft layer"), "{error}");
+    assert!(error.contains("the end of the contact law of the layers"), "{error}");
 }
 
 /// The force on a ply that is thin compared with the plate, on a soft interlayer: solids on loaded discs of two radii, and

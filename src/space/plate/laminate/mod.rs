@@ -244,11 +244,11 @@ fn of_scene(scene: &Scene) -> crate::error::Result<(Laminate, PlateGeometry)> {
 }
 
 /// Radius of the loaded disc, m. It is as for a plate made of the impacted layer alone, which may bend separately on a
-/// soft layer, and at most the distance to the edge. Under a soft layer with its own law it is wider.
+/// soft layer, and at most the distance to the edge. With the contact law of the layers it may be wider.
 fn disc(scene: &Scene, thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
     let layer = thicknesses[0].max(LEAST_LAYER * geometry.thickness);
-    let radius = match scene.impactor.soft_contact() {
-        Some(soft) if settings.disc_radius.is_none() => soft.disc,
+    let radius = match scene.impactor.layered_contact() {
+        Some(layered) if settings.disc_radius.is_none() => layered.disc,
         _ => settings.disc_over(layer) * layer,
     };
     radius.min(geometry.distance_to_edge())
