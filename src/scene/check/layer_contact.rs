@@ -88,6 +88,7 @@ pub(super) fn law(
     // Hertz's law has the instantaneous modulus of a viscoelastic layer. The stack has free faces.
     let is_elastic = given[composition.struck_layer].material.shear.is_none();
     let is_free = leave_free(supports, (size, impactor.point, 2), CLEAR_OF_SUPPORTS);
+    let given_disc = if let Contact::Patch { disc, .. } = contact { disc } else { None };
     let room = [0, 1].map(|axis| 0.5 * size[axis] - impactor.point[axis].abs());
     let law = || -> Result<LayeredContact, &'static str> {
         if !is_elastic {
@@ -102,38 +103,35 @@ pub(super) fn law(
         let longest = (PI / size[0].max(size[1])).min(LONGEST_WAVE / stack.thickness());
         let energy = 0.5 * impactor.mass * impactor.speed.powi(2);
         let room = room[0].min(room[1]);
-        let disc = match contact {
-            Contact::Patch { disc: Some(given), .. } => given.min(room),
-            _ => {
-                let (discs, mut contact) =
-                    (plate.discs(is_soft), SphereOnStack::new(&plate.stack, sphere, longest, energy));
-                let (mut chosen, mut is_enough) = (discs[0].min(room), false);
-                for disc in discs.into_iter().map(|disc| disc.min(room)) {
-                    let law = contact.on_disc(disc);
-                    let Some(force_law) = table(&law) else { continue };
-                    let duration = match is_soft {
-                        true => force_law.contact_time(impactor.mass, impactor.speed),
-                        false => plate.rise_time(impactor),
-                    };
-                    if disc > chosen && disc * plate.wavenumber(duration) > LARGEST_PHASE {
-                        break;
-                    }
-                    chosen = disc;
-                    is_enough = law.largest_force() >= ENOUGH_FORCE * plate.impedance() * impactor.speed
-                        || law.capacity() >= ENOUGH_ENERGY * energy;
-                    if is_enough {
-                        break;
-                    }
-                }
-                // A stiff layer has Hertz's law rather than one that a run may come to the end of.
-                if !(is_soft || is_enough) {
-                    return Err(
-                        "a law of a sphere on the layers that reaches the peak force takes a disc wider than the waves of the contact",
-                    );
-                }
-                chosen
-            }
+        let mut contact = SphereOnStack::new(&plate.stack, sphere, longest, energy);
+        let is_enough = |law: &ContactLaw| {
+            law.largest_force() >= ENOUGH_FORCE * plate.impedance() * impactor.speed
+                || law.capacity() >= ENOUGH_ENERGY * energy
         };
+        let candidates = given_disc.map_or_else(|| plate.discs(is_soft), |disc| vec![disc]);
+        let mut disc = candidates[0].min(room);
+        for wider in candidates.into_iter().map(|disc| disc.min(room)) {
+            let law = contact.on_disc(wider);
+            let Some(force_law) = table(&law) else { continue };
+            let duration = match is_soft {
+                true => force_law.contact_time(impactor.mass, impactor.speed),
+                false => plate.rise_time(impactor),
+            };
+            if wider > disc && wider * plate.wavenumber(duration) > LARGEST_PHASE {
+                break;
+            }
+            disc = wider;
+            if is_enough(&law) {
+                break;
+            }
+        }
+        // A stiff layer has Hertz's law rather than one that a run may come to the end of.
+        if !is_soft && !is_enough(&contact.on_disc(disc)) {
+            return Err(
+                "on the given disc, or on any disc narrower than the waves of the contact, the law of a sphere on the layers ends \
+                        before the peak force",
+            );
+        }
         let law = SphereOnStack::new(&stack, sphere, longest, energy).on_disc(disc);
         let ends_at_once = "the law of a sphere on the layers ends almost at once, as it does near an edge";
         let force_law = table(&law).filter(|_| law.capacity() >= LEAST_ENERGY * energy).ok_or(ends_at_once)?;
