@@ -9,7 +9,7 @@ use super::super::{
     Vec3, leave_free,
 };
 use crate::contact::{ForceLaw, Hertz, Table, hertz, zener};
-use crate::stack::{ContactLaw, Layer, Section, Sphere, SphereOnStack, Stack};
+use crate::stack::{ContactLaw, ContactPoint, Layer, Section, Sphere, SphereOnStack, Stack};
 
 /// Largest Young's modulus of a soft impacted layer, as a fraction of the largest of all layers, if no other layer is softer.
 const SOFT_OUTERMOST: f64 = 0.99;
@@ -17,6 +17,9 @@ const SOFT_OUTERMOST: f64 = 0.99;
 /// The same if another layer is softer, as the interlayer of a laminate. A ply on an interlayer also bends separately, which a wide
 /// disc does not show.
 const SOFT_ON_SOFTER: f64 = 0.5;
+
+/// Largest difference of Poisson's ratios of layers that are alike.
+const ALIKE: f64 = 0.01;
 
 /// Largest contact radius by Hertz's law, over the thickness of a stiff impacted layer, for which it counts as a half-space. At this
 /// ratio the force was wrong by 0.3 to 0.4%; the error grows with the ratio, to a factor of three on coats of 10 µm.
@@ -45,6 +48,9 @@ const ENOUGH_ENERGY: f64 = 2.0;
 
 /// Force that a law should reach, over the force Z v at which an infinite plate of the impedance Z moves as fast as the impactor.
 const ENOUGH_FORCE: f64 = 2.0;
+
+/// Ratio by which the largest force of a law is raised for a stiff layer.
+const CONTINUED: f64 = 100.0;
 
 /// Least energy that a law must store, over the energy of the impact.
 const LEAST_ENERGY: f64 = 1e-3;
@@ -82,7 +88,14 @@ pub(super) fn law(
     let is_soft = struck < if is_on_softer { SOFT_ON_SOFTER } else { SOFT_OUTERMOST } * stiffest;
     // Neither the choice of the law nor its disc depends on relaxation, so that all temperatures have the same cells.
     let Some(plate) = Plate::new(&moduli(0.0), given) else { return LayerEffect::Negligible };
-    if !is_soft && (layers.len() == 1 || plate.contact_radius(impactor) <= WIDEST_HERTZIAN * layers[0].thickness) {
+    // Layers alike are one.
+    let is_alike = |layer: &&Layer| {
+        let is_as_stiff = layer.young >= SOFT_OUTERMOST * struck && SOFT_OUTERMOST * layer.young <= struck;
+        is_as_stiff && (layer.poisson - layers[0].poisson).abs() <= ALIKE
+    };
+    let alike = layers.iter().take_while(is_alike).count();
+    let thickness: f64 = layers[..alike].iter().map(|layer| layer.thickness).sum();
+    if !is_soft && (alike == layers.len() || plate.contact_radius(impactor) <= WIDEST_HERTZIAN * thickness) {
         return LayerEffect::Negligible;
     }
     // Hertz's law has the instantaneous modulus of a viscoelastic layer. The stack has free faces.
@@ -125,15 +138,16 @@ pub(super) fn law(
                 break;
             }
         }
-        // A stiff layer has Hertz's law rather than one that a run may come to the end of.
+        // A stiff layer has Hertz's law rather than one that ends before the first peak.
         if !is_soft && !is_enough(&contact.on_disc(disc)) {
             return Err(
-                "on the given disc, or on any disc narrower than the waves of the contact, the law of a sphere on the layers ends \
-                        before the peak force",
+                "the law of a sphere on the layers ends before the peak force, on each disc that is narrower than the waves of the contact and the \
+                 distance to the edge, or on the given one",
             );
         }
         let law = SphereOnStack::new(&stack, sphere, longest, energy).on_disc(disc);
         let ends_at_once = "the law of a sphere on the layers ends almost at once, as it does near an edge";
+        let law = if is_soft { law } else { continued(law) };
         let force_law = table(&law).filter(|_| law.capacity() >= LEAST_ENERGY * energy).ok_or(ends_at_once)?;
         let radii = law.points.iter().map(|point| [point.force, point.radius]).collect();
         Ok(LayeredContact { force_law, compliance: law.compliance, radii, disc })
@@ -194,6 +208,20 @@ impl Plate {
         let last = DISCS_UNDER_SOFT[DISCS_UNDER_SOFT.len() - 1] * thickness;
         std::iter::successors(Some(first), |disc| Some(DISC_GROWTH * disc)).take_while(|disc| *disc <= last).collect()
     }
+}
+
+/// The law of a stiff layer, continued along its last chord. On a supported body a heavy impactor presses far longer than the first
+/// peak lasts; the indentation is then small compared with the deflection of the body, which determines the force.
+fn continued(mut law: ContactLaw) -> ContactLaw {
+    if let [.., before, last] = law.points[..] {
+        let slope = (last.force - before.force) / (last.indentation - before.indentation);
+        let force = CONTINUED * last.force;
+        let indentation = last.indentation + (force - last.force) / slope;
+        // The contact radius as on a half-space.
+        let radius = last.radius * CONTINUED.cbrt();
+        law.points.push(ContactPoint { indentation, force, radius });
+    }
+    law
 }
 
 /// Force law through the points of a contact; `None` if there are too few.

@@ -22,7 +22,7 @@ pub struct BodyOf {
     initial: Initial,
     measure: Measure,
     stress: bool,
-    /// Radius of the disc under a soft layer with its own contact law, m.
+    /// Radius of the disc under layers with their own contact law, m.
     disc_of_law: Option<f64>,
     /// Bulk moduli of the viscoelastic materials, Pa, as rounded text.
     bulk: Vec<String>,
