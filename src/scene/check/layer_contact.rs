@@ -22,7 +22,7 @@ const SOFT_ON_SOFTER: f64 = 0.5;
 const ALIKE: f64 = 0.01;
 
 /// Largest contact radius by Hertz's law, over the thickness of a stiff impacted layer, for which it counts as a half-space. At this
-/// ratio the force was wrong by 0.3 to 0.4%; the error grows with the ratio, to a factor of three on coats of 10 µm.
+/// ratio the force was wrong by 0.3 to 0.4%; the error grows with the ratio, to a factor of two on 10 µm of ceramic on glass.
 const WIDEST_HERTZIAN: f64 = 0.3;
 
 /// Largest ξH of the longest wave, H the thickness of the stack. It is otherwise the longest wave on the body.
@@ -40,7 +40,8 @@ const LEAST_STIFF: f64 = 0.125;
 const DISC_GROWTH: f64 = 1.5;
 
 /// Largest product of the disc's radius and the wavenumber of flexural waves at the frequency π/T, T the duration of a contact with
-/// this law, or under a stiff layer of the rise of the force. The disc is treated as static; on plastic and polyurethane the force was wrong by 0.3% at 2, and by 6% at 3.2.
+/// this law, or under a stiff layer of the rise of the force. The disc is treated as static; on plastic and polyurethane the force
+/// was wrong by 0.3% at 2, and by 6% at 3.2.
 const LARGEST_PHASE: f64 = 2.0;
 
 /// Energy that a law should store, over the energy of the impact.
