@@ -25,6 +25,7 @@ use nalgebra::Complex;
 use super::Mode;
 use super::rectangular_plate::RectangularPlate;
 use super::shift::vectors_over_one_shift;
+use crate::material::Maxwell;
 
 /// Order n of g: its number of poles with Re λ < 0.
 const POLES: usize = 8;
@@ -84,6 +85,14 @@ pub struct InfinitePlate {
     pub rectangle: Option<RectangularPlate>,
     /// Number of basis vectors for each mode below ω_c.
     pub vectors_per_mode: f64,
+}
+
+/// Coordinates of the waves that the modes of a basis leave out.
+pub struct WavesAbove {
+    /// Modes in closed form, as far as they reach.
+    pub modes: Vec<Mode>,
+    /// Waves of the infinite plate above them.
+    pub outgoing: Vec<Mode>,
 }
 
 /// Number of bending modes of a plate up to a frequency, estimated from its area A (Weyl's law): A ξ²/4π modes have
@@ -215,13 +224,19 @@ impl InfinitePlate {
         self.density.len() == 1
     }
 
-    /// Returns the coordinates of all waves that modes weighted by g with ω_c (rad/s) leave out: modes in closed form
-    /// as far as they reach, and the waves of the infinite plate above.
-    pub fn waves_above(&self, cutoff: f64) -> Vec<Mode> {
+    /// Returns the plate with other Prony series for its viscoelastic parts, in the same order. Only modes in closed form
+    /// change: the waves above them leave the impact point before they relax.
+    #[must_use]
+    pub fn with_chains(&self, chains: &[&Maxwell]) -> Self {
+        Self { rectangle: self.rectangle.as_ref().map(|plate| plate.with_chains(chains)), ..self.clone() }
+    }
+
+    /// Returns the coordinates of all waves that modes weighted by g with ω_c (rad/s) leave out.
+    pub fn waves_above(&self, cutoff: f64) -> WavesAbove {
         let largest = self.cutoff_of_closed_form(cutoff);
         let between = |frequency: f64| weight(frequency, largest) - weight(frequency, cutoff);
         let modes = self.rectangle.iter().flat_map(|plate| plate.modes(self, NEGLIGIBLE * largest, between));
-        modes.chain(self.short_waves(largest)).collect()
+        WavesAbove { modes: modes.collect(), outgoing: self.short_waves(largest) }
     }
 
     /// Returns the coordinates that represent the part 1 − g above ω_c (rad/s).
@@ -284,7 +299,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     use super::*;
-    use crate::body::{BendingWaves, Closed, EdgeSprings, Projection, Spectrum};
+    use crate::body::{BendingWaves, Closed, EdgeSprings, PlateWaves, Projection, Spectrum};
 
     /// Returns Re Y(iω) of coordinates: Y = s Σ c/(s − λ), with half of each conjugate pair.
     fn mobility(modes: &[Mode], frequency: f64) -> f64 {
@@ -358,6 +373,7 @@ mod tests {
     #[test]
     fn vectors_and_frequencies_are_inverse() {
         let waves = BendingWaves { mass: 20.0, rigidity: 3150.0, shear: 2e8, rotary: 1e-4, poisson: 0.23 };
+        let waves = PlateWaves::Mindlin(waves);
         let edges = [[EdgeSprings::default(); 2]; 2];
         let rectangle =
             RectangularPlate { lengths: [0.6, 0.8], hit: [0.3, 0.4], is_symmetric: [true; 2], edges, waves };

@@ -99,6 +99,8 @@ impl Projection {
             changed.elastic += &part.distortion * rise;
             part.chain = chain.clone();
         }
+        let chains: Vec<&Maxwell> = chains.iter().collect();
+        changed.infinite_plate = self.infinite_plate.as_ref().map(|plate| plate.with_chains(&chains));
         changed
     }
 

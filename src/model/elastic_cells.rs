@@ -172,6 +172,10 @@ fn found(
     watch: &dyn Watch,
 ) -> Result<Option<Found>> {
     let (Assembled::Local(body), Some(cells)) = (&built.body, built.cells) else { return Ok(None) };
+    // Echoes that relaxation damps would take a long basis of the elastic body.
+    if watch.decided(Plan::new(built.body.linear(), scene).has_echoes) {
+        return Ok(None);
+    }
     let stand_in = Operators {
         body: Assembled::Local(Box::new(body.elastic_at(scene.impactor.moduli_time()))),
         discretisation: String::new(),

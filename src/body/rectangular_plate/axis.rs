@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::solve::root::RootSearch;
 
 use super::edge::{SquaredWavenumbers, StandingWave};
-use super::{BendingWaves, EdgeSprings};
+use super::{EdgeSprings, PlateWaves};
 
 /// Change of a wavenumber over the spacing of wavenumbers at which its search ends.
 const CHANGE: f64 = 1e-8;
@@ -24,7 +24,7 @@ pub(super) struct Axis<'a> {
     /// Lower and upper edge.
     pub edges: &'a [EdgeSprings; 2],
     /// Bending waves of the plate.
-    pub waves: &'a BendingWaves,
+    pub waves: &'a PlateWaves,
 }
 
 /// Standing waves of both edges across an axis.
@@ -61,7 +61,8 @@ impl StandingWaves {
 impl Axis<'_> {
     /// Standing waves of both edges for a squared wavenumber across them and one along them (1/m²).
     pub fn pair(&self, across: f64, along: f64) -> StandingWaves {
-        let of = |edge| StandingWave::at_edge(edge, self.waves, SquaredWavenumbers { across, along });
+        let waves = self.waves.near((across + along).sqrt());
+        let of = |edge| StandingWave::at_edge(edge, &waves, SquaredWavenumbers { across, along });
         let [lower, upper] = self.edges;
         let one = of(lower);
         StandingWaves { lower: one, upper: if lower == upper { one } else { of(upper) }, half: 0.5 * self.length }

@@ -5,14 +5,14 @@ use super::BendingWaves;
 /// Largest spring over the stiffness of the waves. It replaces the infinite stiffness of a clamp.
 const RIGID: f64 = 1e60;
 
-/// Springs along an edge per length, divided by the bending stiffness D of the plate; infinite for clamps.
+/// Springs along an edge per length; infinite for clamps.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EdgeSprings {
-    /// Stiffness against the deflection, over D, 1/m³.
+    /// Stiffness against the deflection, N/m².
     pub deflection: f64,
-    /// Stiffness against the rotation across the edge, over D, 1/m.
+    /// Stiffness against the rotation across the edge, N.
     pub rotation: f64,
-    /// Stiffness against the rotation along the edge, over D, 1/m.
+    /// Stiffness against the rotation along the edge, N.
     pub twist: f64,
 }
 
@@ -76,7 +76,7 @@ impl StandingWave {
         let twisting = twisting.map(|value| 0.5 * (1.0 - poisson) * value);
         let scale = bending.sqrt();
         let condition = |force: [f64; 4], spring: f64, displacement: [f64; 4], scale: f64| -> [f64; 4] {
-            let spring = (spring / scale).min(RIGID);
+            let spring = (spring / rigidity / scale).min(RIGID);
             std::array::from_fn(|i| (force[i] / scale - spring * displacement[i]) / (1.0 + spring))
         };
         let conditions = [

@@ -17,6 +17,7 @@
 
 mod axis;
 mod edge;
+mod layered;
 mod waves;
 
 use std::f64::consts::{PI, TAU};
@@ -25,10 +26,12 @@ use nalgebra::Complex;
 
 use super::Mode;
 use super::infinite_plate::InfinitePlate;
+use crate::material::Maxwell;
 use axis::Axis;
 
 pub use edge::EdgeSprings;
-pub use waves::BendingWaves;
+pub use layered::{LayeredWaves, WaveOfLayers};
+pub use waves::{BendingWaves, PlateWaves};
 
 /// Largest number of iterations between both axes for the wavenumbers of a mode, which start from those of its
 /// neighbour; and the change of a squared wavenumber, over that of the wave, at which they end.
@@ -56,10 +59,23 @@ pub struct RectangularPlate {
     /// Lower and upper edge across each axis.
     pub edges: [[EdgeSprings; 2]; 2],
     /// Bending waves of the plate.
-    pub waves: BendingWaves,
+    pub waves: PlateWaves,
 }
 
 impl RectangularPlate {
+    /// Returns the plate with other Prony series for its viscoelastic parts, in the same order. Series with which it
+    /// would have no such waves leave it as it is.
+    #[must_use]
+    pub fn with_chains(&self, chains: &[&Maxwell]) -> Self {
+        let mut changed = self.clone();
+        if let PlateWaves::Layered(waves) = &mut changed.waves
+            && let Some(others) = waves.with_chains(chains)
+        {
+            *waves = others;
+        }
+        changed
+    }
+
     /// One of both axes.
     fn axis(&self, axis: usize) -> Axis<'_> {
         Axis { length: self.lengths[axis], edges: &self.edges[axis], waves: &self.waves }
@@ -163,27 +179,32 @@ impl RectangularPlate {
             if weight < NEGLIGIBLE_WEIGHT {
                 return;
             }
-            // There are area ξ dξ/2π modes in dξ. On average, each moves a point with 1/area.
+            // On average, each mode moves a point with 1/area.
             let wavenumber = (squares[0] + squares[1]).sqrt();
-            let modes_per_frequency = area * wavenumber / (TAU * self.waves.group_velocity(wavenumber));
-            let average = plate.density_at(frequency) / modes_per_frequency;
+            let average = match &self.waves {
+                PlateWaves::Mindlin(_) => {
+                    // There are area ξ dξ/2π modes in dξ.
+                    let modes_per_frequency = area * wavenumber / (TAU * self.waves.group_velocity(wavenumber));
+                    plate.density_at(frequency) / modes_per_frequency
+                }
+                PlateWaves::Layered(waves) => waves.mobility(wavenumber) / area,
+            };
             let shape = area * self.shape(squares);
             if shape >= NEGLIGIBLE_SHAPE {
-                modes.push(vibration(frequency, (weight * average * shape).sqrt()));
+                modes.push(vibration(self.waves.rate(wavenumber), (weight * average * shape).sqrt()));
             }
         });
         modes
     }
 }
 
-/// Free vibration of a frequency (rad/s) with an amplitude at the impact point (1/√kg).
-fn vibration(frequency: f64, amplitude: f64) -> Mode {
-    let zero = Complex::new(0.0, 0.0);
+/// Free vibration of a complex rate (1/s) with an amplitude at the impact point (1/√kg).
+fn vibration(rate: Complex<f64>, amplitude: f64) -> Mode {
     Mode {
-        rate: Complex::new(0.0, frequency),
+        rate,
         input: Complex::new(amplitude, 0.0),
-        load: zero,
-        output: Complex::new(0.0, -amplitude / frequency),
+        load: Complex::new(0.0, 0.0),
+        output: Complex::new(0.0, -amplitude / rate.im),
     }
 }
 
@@ -194,22 +215,26 @@ mod tests {
 
     const THICKNESS: f64 = 0.008;
 
-    fn plate(edges: [[EdgeSprings; 2]; 2]) -> RectangularPlate {
+    fn bending_waves() -> BendingWaves {
         let (young, poisson, density, h) = (70e9, 0.23, 2500.0, THICKNESS);
-        let waves = BendingWaves {
+        BendingWaves {
             poisson,
             mass: density * h,
             rigidity: young * h * h * h / (12.0 * (1.0 - poisson * poisson)),
             shear: 0.8666 * 0.5 * young / (1.0 + poisson) * h,
             rotary: density * h * h * h / 12.0,
-        };
+        }
+    }
+
+    fn plate(edges: [[EdgeSprings; 2]; 2]) -> RectangularPlate {
+        let waves = PlateWaves::Mindlin(bending_waves());
         RectangularPlate { lengths: [1.0, 1.5], hit: [0.5, 0.75], is_symmetric: [true; 2], edges, waves }
     }
 
     /// Phase at an edge for the wavenumbers across and along it.
     fn phase(edge: &EdgeSprings, wavenumbers: [f64; 2]) -> f64 {
         let [across, along] = wavenumbers.map(|wavenumber| wavenumber * wavenumber);
-        StandingWave::at_edge(edge, &plate([[FREE; 2]; 2]).waves, edge::SquaredWavenumbers { across, along }).phase()
+        StandingWave::at_edge(edge, &bending_waves(), edge::SquaredWavenumbers { across, along }).phase()
     }
 
     const FREE: EdgeSprings = EdgeSprings { deflection: 0.0, rotation: 0.0, twist: 0.0 };
@@ -265,7 +290,7 @@ mod tests {
         plate.lengths[0] = 1000.0;
         let along = 0.5_f64.powi(2);
         let across = plate.axis(0).square(0, 0.0, along).expect("a wave along the edge");
-        let nu = plate.waves.poisson;
+        let nu = bending_waves().poisson;
         let ratio = ((1.0 - nu) * (3.0 * nu - 1.0 + 2.0 * (2.0 * nu * nu - 2.0 * nu + 1.0).sqrt())).powf(0.5);
         let exact = -(1.0 - ratio) * along;
         assert!((across / exact - 1.0).abs() < 0.05, "{across} {exact}");
@@ -280,8 +305,8 @@ mod tests {
             let springs = (0..600).map(|i| {
                 let strength = 10_f64.powf(0.05 * f64::from(i % 300) - 5.0);
                 match i < 300 {
-                    true => EdgeSprings { deflection: strength * 1e5, ..FREE },
-                    false => EdgeSprings { deflection: 1e15, rotation: strength, twist: strength },
+                    true => EdgeSprings { deflection: strength * 3e8, ..FREE },
+                    false => EdgeSprings { deflection: 3e18, rotation: strength * 3e3, twist: strength * 3e3 },
                 }
             });
             for edge in springs {
@@ -298,7 +323,7 @@ mod tests {
         for edge in [
             SIMPLY_SUPPORTED,
             EdgeSprings { twist: 0.0, ..SIMPLY_SUPPORTED },
-            EdgeSprings { rotation: 10.0, ..SIMPLY_SUPPORTED },
+            EdgeSprings { rotation: 3e4, ..SIMPLY_SUPPORTED },
             CLAMPED,
         ] {
             let centred = plate([[edge; 2]; 2]);
@@ -327,7 +352,7 @@ mod tests {
     fn modes_have_the_density_of_an_infinite_plate() {
         for edge in [FREE, SIMPLY_SUPPORTED, CLAMPED] {
             let rectangle = plate([[edge; 2]; 2]);
-            let BendingWaves { mass, rigidity, .. } = rectangle.waves;
+            let BendingWaves { mass, rigidity, .. } = bending_waves();
             let density = 2.0 / (PI * 8.0 * (mass * rigidity).sqrt());
             let infinite = InfinitePlate::of(vec![(0.0, density)]);
             let end = 8e4;

@@ -1,4 +1,8 @@
-//! Bending waves of Mindlin's plate.
+//! Bending waves of a plate.
+
+use nalgebra::Complex;
+
+use super::LayeredWaves;
 
 /// Relative change of a wavenumber for the derivative of the frequency.
 const STEP: f64 = 1e-5;
@@ -38,6 +42,60 @@ impl BendingWaves {
     /// Returns the frequency of the thickness-shear mode, rad/s. Above it, other waves propagate too.
     pub fn thickness_shear(&self) -> f64 {
         (self.shear / self.rotary).sqrt()
+    }
+
+    /// Returns the plate with the bending stiffness for which the bending wave of a wavenumber (1/m) has this frequency
+    /// (rad/s).
+    pub fn tuned(&self, wavenumber: f64, frequency: f64) -> Self {
+        // From the characteristic equation (S ξ² − m ω²) (D ξ² + S − J ω²) = S² ξ².
+        let [square, of_time] = [wavenumber, frequency].map(|value| value * value);
+        let Self { mass, shear, rotary, .. } = *self;
+        let turned = shear * shear * square / (shear * square - mass * of_time);
+        Self { rigidity: (turned - shear + rotary * of_time) / square, ..*self }
+    }
+}
+
+/// Bending waves of a plate of one layer or of several.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PlateWaves {
+    /// One layer, by Mindlin's theory.
+    Mindlin(BendingWaves),
+    /// Several layers.
+    Layered(LayeredWaves),
+}
+
+impl PlateWaves {
+    /// Returns the Mindlin plate whose bending wave of a wavenumber (1/m) has the same frequency.
+    pub fn near(&self, wavenumber: f64) -> BendingWaves {
+        match self {
+            Self::Mindlin(waves) => *waves,
+            Self::Layered(waves) => waves.near(wavenumber),
+        }
+    }
+
+    /// Returns the frequency of the wave with a wavenumber (1/m), rad/s. Viscoelastic layers have their moduli at the
+    /// shift of the basis.
+    pub fn frequency(&self, wavenumber: f64) -> f64 {
+        match self {
+            Self::Mindlin(waves) => waves.frequency(wavenumber),
+            Self::Layered(waves) => waves.frequency(wavenumber),
+        }
+    }
+
+    /// Returns the rate of the free vibration with a wavenumber (1/m), 1/s.
+    pub fn rate(&self, wavenumber: f64) -> Complex<f64> {
+        match self {
+            Self::Mindlin(waves) => Complex::new(0.0, waves.frequency(wavenumber)),
+            Self::Layered(waves) => waves.rate(wavenumber),
+        }
+    }
+
+    /// Returns the frequency above which other waves within a layer propagate too, rad/s.
+    pub fn thickness_shear(&self) -> f64 {
+        match self {
+            Self::Mindlin(waves) => waves.thickness_shear(),
+            Self::Layered(waves) => waves.plies().thickness_shear(),
+        }
     }
 
     /// Returns the group velocity dω/dξ at a wavenumber ξ (1/m), m/s.

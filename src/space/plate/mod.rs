@@ -252,7 +252,7 @@ impl Plate {
             lines[geometry.normal] = geometry.across_plate(&laminate.profile.heights);
         }
         geometry.axes.into_iter().zip(in_plane).for_each(|(axis, of_axis)| lines[axis] = of_axis);
-        let rectangle = waves::rectangle(scene, &geometry, &section, theory);
+        let rectangle = waves::rectangle(scene, &geometry, &section, laminate.as_ref(), theory);
         let rectangle = rectangle.filter(|_| settings.has_echoes_in_closed_form);
         let points = Points { geometry, section, lines, tensor, theory, local, laminate, rectangle };
         let mirrors = points.geometry.mirrors();
@@ -298,7 +298,8 @@ impl Plate {
         }
         let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
         let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
-        let is_known = points.laminate.is_none() || settings.separates_short_waves;
+        let is_known =
+            points.laminate.is_none() || settings.separates_short_waves || settings.has_echoes_in_closed_form;
         let rate = RATE_TIMES_CONTACT / scene.impactor.contact_time();
         let infinite_plate = is_known.then(|| waves::of_points(&points, &description.relaxations(), rate));
         let system = System {

@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::body::{BendingWaves, EdgeSprings, InfinitePlate, ModeCount, RectangularPlate, VECTORS_PER_MODE};
+use crate::body::{
+    BendingWaves, EdgeSprings, InfinitePlate, LayeredWaves, ModeCount, PlateWaves, RectangularPlate, VECTORS_PER_MODE,
+};
 use crate::contact::zener;
 use crate::description::Description;
 use crate::error::Result;
@@ -32,16 +34,20 @@ const NEGLECTED_DENSITY: f64 = 1e-4;
 pub fn infinite_plate(scene: &Scene, theory: PlateTheory) -> Result<InfinitePlate> {
     let fault = |reason: String| super::fault(theory, &reason);
     let geometry = super::geometry(scene, theory).map_err(fault)?;
-    let section = match theory {
+    let laminate = match theory {
         PlateTheory::Layerwise => {
             let parts = Description::new(scene).parts;
             let laminate = Laminate::without_local(scene, &geometry, &parts, &Settings::default());
-            laminate.map_err(fault)?.section(scene)
+            Some(laminate.map_err(fault)?)
         }
-        _ => Section::new(geometry.thickness, &scene.body.struck()),
+        _ => None,
     };
-    let rectangle = rectangle(scene, &geometry, &section, theory);
-    Ok(of_section(&geometry, &section, &PlateWaves::Thin).with_echoes(rectangle))
+    let section = match &laminate {
+        Some(laminate) => laminate.section(scene),
+        None => Section::new(geometry.thickness, &scene.body.struck()),
+    };
+    let rectangle = rectangle(scene, &geometry, &section, laminate.as_ref(), theory);
+    Ok(of_section(&geometry, &section, &WavesOfTheory::Thin).with_echoes(rectangle))
 }
 
 /// Number of uncoupled symmetry classes of a scene's plate.
@@ -54,13 +60,20 @@ pub fn classes_of_motions(scene: &Scene, theory: PlateTheory) -> Result<usize> {
 
 /// Response of the infinite plate for a discretised plate. The moduli of viscoelastic layers are those at `rate` (1/s).
 pub(super) fn of_points(points: &Points, relaxations: &[(&Maxwell, Vec<usize>)], rate: f64) -> InfinitePlate {
-    let Points { geometry, section, local, laminate, .. } = points;
+    let Points { geometry, section, local, laminate, rectangle, .. } = points;
     let waves = match (laminate, local) {
-        (Some(laminate), _) => PlateWaves::Layerwise(LayerwiseWaves::new(laminate, geometry, relaxations, rate)),
-        (None, Some(local)) => PlateWaves::Mindlin(section, local),
-        (None, None) => PlateWaves::Thin,
+        (Some(laminate), _) => WavesOfTheory::Layerwise(LayerwiseWaves::new(laminate, geometry, relaxations, rate)),
+        (None, Some(local)) => WavesOfTheory::Mindlin(section, local),
+        (None, None) => WavesOfTheory::Thin,
     };
-    of_section(geometry, section, &waves).with_echoes(points.rectangle.clone())
+    let rectangle = rectangle.clone().map(|rectangle| match &waves {
+        WavesOfTheory::Layerwise(waves) => {
+            let layered = layered_waves(geometry, section, waves, &rectangle, relaxations, rate);
+            RectangularPlate { waves: layered.map_or(rectangle.waves, PlateWaves::Layered), ..rectangle }
+        }
+        _ => rectangle,
+    });
+    of_section(geometry, section, &waves).with_echoes(rectangle)
 }
 
 /// Smallest tolerance for which short waves are computed in closed form. With smaller ones, the waves that corners
@@ -82,13 +95,14 @@ pub(super) fn rectangle(
     scene: &Scene,
     geometry: &PlateGeometry,
     section: &Section,
+    laminate: Option<&Laminate>,
     theory: PlateTheory,
 ) -> Option<RectangularPlate> {
     let is_tolerance_large = scene.measure == Measure::Acceleration && scene.tolerance >= LEAST_TOLERANCE;
     let are_others_read = scene.strength.is_given() || scene.output.has_points();
     let is_loaded =
         scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
-    if theory != PlateTheory::Mindlin || !is_tolerance_large || is_loaded || are_others_read {
+    if !theory.shears() || !is_tolerance_large || is_loaded || are_others_read {
         return None;
     }
     let mut edges = [[EdgeSprings::default(); 2]; 2];
@@ -104,7 +118,7 @@ pub(super) fn rectangle(
         for (axis, is_upper) in faces(&support.surface) {
             let across = geometry.axes.iter().position(|of| of == axis)?;
             // Springs in the plane resist rotations: ∫ k ζ² dζ = k h³/12.
-            let [area, inertia] = [section.thickness, section.inertia()].map(|part| part / section.rigidity());
+            let [area, inertia] = [section.thickness, section.inertia()];
             let springs = &mut edges[across][usize::from(*is_upper)];
             springs.deflection += stiffness[geometry.normal] * area;
             springs.rotation += stiffness[*axis] * inertia;
@@ -112,7 +126,7 @@ pub(super) fn rectangle(
         }
     }
     let is_soft = |axis: usize| {
-        let least = LEAST_EDGE_STIFFNESS * (PI / geometry.edges[axis]).powi(3);
+        let least = LEAST_EDGE_STIFFNESS * section.rigidity() * (PI / geometry.edges[axis]).powi(3);
         edges[axis].iter().any(|edge: &EdgeSprings| edge.deflection < least)
     };
     if is_soft(0) || is_soft(1) {
@@ -123,8 +137,28 @@ pub(super) fn rectangle(
         hit: [0, 1].map(|axis| 0.5 * geometry.edges[axis] + geometry.hit[axis]),
         is_symmetric: [0, 1].map(|axis| geometry.halved[axis] && geometry.hit[axis] == 0.0),
         edges,
-        waves: bending_waves(section, super::shear_factor(section.poisson)),
+        waves: PlateWaves::Mindlin(match laminate {
+            None => bending_waves(section, super::shear_factor(section.poisson)),
+            Some(laminate) => laminate.plies(section),
+        }),
     })
+}
+
+/// Waves of a laminate in the table from which its modes in closed form are computed, for the plies of a `rectangle`.
+fn layered_waves(
+    geometry: &PlateGeometry,
+    section: &Section,
+    waves: &LayerwiseWaves,
+    rectangle: &RectangularPlate,
+    relaxations: &[(&Maxwell, Vec<usize>)],
+    rate: f64,
+) -> Option<LayeredWaves> {
+    let PlateWaves::Mindlin(plies) = rectangle.waves else { return None };
+    let first = first_wavenumber(section);
+    let excited = (0..).map(|i| first * STEP.powi(i)).take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
+    let of_layers = excited.map(|wavenumber| waves.of_layers(wavenumber, geometry.multiplicity()));
+    let chains: Vec<&Maxwell> = relaxations.iter().map(|(chain, _)| *chain).collect();
+    LayeredWaves::new(of_layers.collect(), [first, STEP], plies, &chains, rate)
 }
 
 /// Bending waves of a section with a shear factor κ.
@@ -139,7 +173,7 @@ fn bending_waves(section: &Section, shear_factor: f64) -> BendingWaves {
 }
 
 /// Response of the infinite plate for the modelled part of a plate, with all its symmetry classes.
-fn of_section(geometry: &PlateGeometry, section: &Section, waves: &PlateWaves) -> InfinitePlate {
+fn of_section(geometry: &PlateGeometry, section: &Section, waves: &WavesOfTheory) -> InfinitePlate {
     let (edges, multiplicity) = (geometry.edges, geometry.multiplicity());
     let classes = geometry.classes.len() as f64;
     let material = Material { young: section.young, poisson: section.poisson, density: section.density };
@@ -149,9 +183,9 @@ fn of_section(geometry: &PlateGeometry, section: &Section, waves: &PlateWaves) -
     let over_square = classes * edges[0] * edges[1] / (4.0 * PI * multiplicity);
     let mut modes = ModeCount::of_thin_plate(over_square, slowness);
     let Spectrum { density, fast_wave_compliances } = match waves {
-        PlateWaves::Thin => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
-        PlateWaves::Mindlin(..) => spectrum(section, waves, multiplicity, Some(thin)),
-        PlateWaves::Layerwise(_) => {
+        WavesOfTheory::Thin => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
+        WavesOfTheory::Mindlin(..) => spectrum(section, waves, multiplicity, Some(thin)),
+        WavesOfTheory::Layerwise(_) => {
             modes.dispersion = dispersion(section, waves);
             spectrum(section, waves, multiplicity, None)
         }
@@ -177,7 +211,7 @@ pub(super) struct Wave {
 }
 
 /// Waves of a plate in each theory.
-enum PlateWaves<'a> {
+enum WavesOfTheory<'a> {
     /// Bending waves of a thin plate, loaded at a point.
     Thin,
     /// Waves of Mindlin's plate.
@@ -186,7 +220,7 @@ enum PlateWaves<'a> {
     Layerwise(LayerwiseWaves<'a>),
 }
 
-impl PlateWaves<'_> {
+impl WavesOfTheory<'_> {
     /// The waves of a wavenumber (1/m): the bending wave, and those of higher frequencies. None for a thin plate, whose
     /// density of modes is known in closed form.
     fn at(&self, wavenumber: f64) -> Vec<Wave> {
@@ -235,7 +269,7 @@ struct Spectrum {
 /// Spectrum of a plate. The bending waves have the density ν = (1/2π) ξ dξ/dω r² P². The other waves, and the bending
 /// waves beyond the last ω, are springs with the compliance (1/2π) r² P²/ω² ξ dξ. `longest` is ν of the longest waves,
 /// s/kg, if it is known; `multiplicity` is the number of modelled parts in the whole plate.
-fn spectrum(section: &Section, waves: &PlateWaves, multiplicity: f64, longest: Option<f64>) -> Spectrum {
+fn spectrum(section: &Section, waves: &WavesOfTheory, multiplicity: f64, longest: Option<f64>) -> Spectrum {
     let first = first_wavenumber(section);
     // ν of a bending wave.
     let density_of = |wavenumber: f64, wave: &Wave| {
@@ -271,7 +305,7 @@ fn spectrum(section: &Section, waves: &PlateWaves, multiplicity: f64, longest: O
 }
 
 /// Pairs of ω (rad/s) and ξ² (1/m²) of bending waves, from the longest to the shortest that the disc excites.
-fn dispersion(section: &Section, waves: &PlateWaves) -> Vec<(f64, f64)> {
+fn dispersion(section: &Section, waves: &WavesOfTheory) -> Vec<(f64, f64)> {
     let wavenumbers = (0..).map(|i| first_wavenumber(section) * STEP.powi(i));
     let excited = wavenumbers.take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
     let of_waves = excited.map(|wavenumber| (waves.at(wavenumber)[0].frequency, wavenumber * wavenumber));

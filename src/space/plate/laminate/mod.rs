@@ -11,6 +11,7 @@ use std::f64::consts::TAU;
 
 use super::geometry::{NAMES, PlateGeometry};
 use super::{Settings, cells};
+use crate::body::BendingWaves;
 use crate::description::{Description, Part, Portion};
 use crate::form::layerwise::{LayerModuli, Profile};
 use crate::form::plate::Section;
@@ -207,6 +208,19 @@ impl Laminate {
             section = of_rigidity(rigidity);
         }
         section
+    }
+
+    /// The plies side by side, without a bond, with the bending stiffness of a section. Only stiff layers count.
+    pub(super) fn plies(&self, section: &Section) -> BendingWaves {
+        let layers = self.theory.stack().layers();
+        let stiffest = layers.iter().map(|layer| layer.young).fold(0.0, f64::max);
+        let stiff = layers.iter().zip(&self.parts).filter(|(layer, _)| layer.young >= STIFF * stiffest);
+        let (mut shear, mut rotary) = (0.0, 0.0);
+        for (layer, part) in stiff {
+            shear += super::shear_factor(layer.poisson) * layer.shear() * layer.thickness;
+            rotary += part.material.instantaneous.density * layer.thickness.powi(3) / 12.0;
+        }
+        BendingWaves { mass: self.mass, rigidity: section.rigidity(), shear, rotary, poisson: section.poisson }
     }
 
     /// Copy of the laminate with the shear strains and the deflections of another.

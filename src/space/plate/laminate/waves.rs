@@ -7,6 +7,7 @@
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
 use super::Laminate;
+use crate::body::WaveOfLayers;
 use crate::form::layerwise::{ROTATIONS, is_rotation};
 use crate::form::plate::DEFLECTION;
 use crate::form::tensor::{Part, Square};
@@ -17,6 +18,10 @@ use crate::space::plate::waves::Wave;
 /// Waves of a laminate.
 pub struct LayerwiseWaves<'a> {
     laminate: &'a Laminate,
+    /// Forms of twice the elastic energy after all relaxation.
+    relaxed: Vec<Square<2>>,
+    /// Forms of twice the energy of each viscoelastic part for a unit shear modulus.
+    distortions: Vec<Vec<Square<2>>>,
     /// Forms of twice the elastic and twice the kinetic energy.
     forms: [Vec<Square<2>>; 2],
     /// Terms of the displacement that is loaded and read, with their factors.
@@ -32,15 +37,18 @@ impl<'a> LayerwiseWaves<'a> {
         relaxations: &[(&Maxwell, Vec<usize>)],
         rate: f64,
     ) -> Self {
-        let mut elastic = laminate.elastic();
+        let relaxed = laminate.elastic();
+        let mut elastic = relaxed.clone();
+        let mut distortions = Vec::new();
         for (chain, layers) in relaxations {
             let modulus = chain.transformed_terms(rate);
-            let unit = laminate.distortion(geometry, layers).into_iter();
-            elastic.extend(unit.map(|form| Square { factor: modulus * form.factor, ..form }));
+            let unit = laminate.distortion(geometry, layers);
+            elastic.extend(unit.iter().map(|form| Square { factor: modulus * form.factor, ..form.clone() }));
+            distortions.push(unit);
         }
         let mut reading = vec![(1.0, Part { field: DEFLECTION, derivatives: [0, 0] })];
         reading.extend(laminate.face_deflection());
-        Self { laminate, forms: [elastic, laminate.inertia()], reading }
+        Self { laminate, relaxed, distortions, forms: [elastic, laminate.inertia()], reading }
     }
 
     /// Radius of the loaded disc, m.
@@ -65,6 +73,22 @@ impl<'a> LayerwiseWaves<'a> {
         let mut waves: Vec<Wave> = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).map(wave).collect();
         waves.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
         waves
+    }
+
+    /// The wave of a wavenumber ξ (1/m) with its viscoelastic parts apart. `multiplicity` is the number of modelled parts
+    /// in the whole plate.
+    pub fn of_layers(&self, wavenumber: f64, multiplicity: f64) -> WaveOfLayers {
+        let lower = self.symbol(&self.forms[1], wavenumber).cholesky().expect("all layers have mass").l();
+        let solve = |rows: &DMatrix<f64>| lower.solve_lower_triangular(rows).expect("a factor has no zeros");
+        let reduced = |forms: &[Square<2>]| solve(&solve(&self.symbol(forms, wavenumber)).transpose());
+        let read = self.row(self.reading.iter().copied(), wavenumber).map(|value| value.re);
+        let read = lower.solve_lower_triangular(&read).expect("a factor has no zeros");
+        let spread = self.laminate.spread.transform(wavenumber * self.laminate.radius);
+        WaveOfLayers {
+            stiffness: reduced(&self.relaxed),
+            distortions: self.distortions.iter().map(|forms| reduced(forms)).collect(),
+            reading: read.transpose() * (multiplicity.sqrt() * spread),
+        }
     }
 
     /// Matrix of a quadratic form on the amplitudes of a wave.
