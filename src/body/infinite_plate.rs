@@ -224,11 +224,19 @@ impl InfinitePlate {
         self.density.len() == 1
     }
 
-    /// Returns the plate with other Prony series for its viscoelastic parts, in the same order. Only modes in closed form
-    /// change: the waves above them leave the impact point before they relax.
+    /// Returns the plate with other Prony series for its viscoelastic parts, in the same order, for a basis with their
+    /// moduli at `rate` (1/s). Only modes in closed form change. The waves above them keep their moduli: in such short
+    /// waves the plies bend almost separately.
     #[must_use]
-    pub fn with_chains(&self, chains: &[&Maxwell]) -> Self {
-        Self { rectangle: self.rectangle.as_ref().map(|plate| plate.with_chains(chains)), ..self.clone() }
+    pub fn with_chains(&self, chains: &[&Maxwell], rate: f64) -> Self {
+        let rectangle = self.rectangle.clone().and_then(|plate| plate.with_chains(chains, rate));
+        Self { rectangle, ..self.clone() }
+    }
+
+    /// Returns the plate for a basis with the moduli of viscoelastic parts at a rate (1/s).
+    #[must_use]
+    pub fn at_rate(self, rate: f64) -> Self {
+        Self { rectangle: self.rectangle.and_then(|plate| plate.at_rate(rate)), ..self }
     }
 
     /// Returns the coordinates of all waves that modes weighted by g with ω_c (rad/s) leave out.

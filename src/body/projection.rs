@@ -100,7 +100,7 @@ impl Projection {
             part.chain = chain.clone();
         }
         let chains: Vec<&Maxwell> = chains.iter().collect();
-        changed.infinite_plate = self.infinite_plate.as_ref().map(|plate| plate.with_chains(&chains));
+        changed.infinite_plate = self.infinite_plate.as_ref().map(|plate| plate.with_chains(&chains, self.rate));
         changed
     }
 

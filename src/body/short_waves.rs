@@ -18,7 +18,7 @@ const DAMPING_RATIO: f64 = 0.1;
 /// Coordinates that represent the short waves of a plate, and the weights of the modes.
 pub struct ShortWaves {
     /// First-order coordinates of the short waves.
-    pub waves: WavesAbove,
+    pub above: WavesAbove,
     /// Static compliance of the waves that are faster than any contact, m/N.
     pub static_compliance: f64,
     /// Weights √g of the modes.
@@ -45,7 +45,7 @@ impl ShortWaves {
         let keeps_all = plate.rectangle.is_some() || relaxes;
         let (kept, least) = if keeps_all { (weights.len(), READ_ONLY) } else { (acting, 0.0) };
         Some(Self {
-            waves: plate.waves_above(cutoff),
+            above: plate.waves_above(cutoff),
             static_compliance: plate.static_compliance(cutoff),
             weights: weights.map(|weight| weight.max(least).sqrt()),
             acting,
@@ -56,16 +56,16 @@ impl ShortWaves {
 
     /// Multiplies the frequency ω (rad/s) of each mode in closed form by `ratio` of it.
     pub fn retune(&mut self, ratio: impl Fn(f64) -> f64) {
-        for mode in &mut self.waves.modes {
-            let ratio = ratio(mode.rate.im);
-            mode.rate *= ratio;
-            mode.output /= ratio;
+        for mode in &mut self.above.modes {
+            let factor = ratio(mode.rate.im);
+            mode.rate *= factor;
+            mode.output /= factor;
         }
     }
 
     /// Returns all coordinates.
     pub fn coordinates(&self) -> impl Iterator<Item = &Mode> {
-        self.waves.modes.iter().chain(&self.waves.outgoing)
+        self.above.modes.iter().chain(&self.above.outgoing)
     }
 
     /// Damps the vibrations that do not move the impact point. Their static response does not change. `numbers` are the

@@ -145,7 +145,6 @@ impl System {
         let elastic = self.relaxations.iter().fold(self.elastic.clone(), |sum, (distortion, chain)| {
             add(sum, chain.at(time) - chain.equilibrium, distortion)
         });
-        let moduli: Vec<Maxwell> = self.relaxations.iter().map(|(_, chain)| Maxwell::elastic(chain.at(time))).collect();
         Self {
             elastic,
             relaxations: Vec::new(),
@@ -159,10 +158,7 @@ impl System {
             localization: self.localization.clone(),
             hit_stress: self.hit_stress.clone(),
             translation: self.translation.clone(),
-            infinite_plate: self
-                .infinite_plate
-                .as_ref()
-                .map(|plate| plate.with_chains(&moduli.iter().collect::<Vec<_>>())),
+            infinite_plate: self.infinite_plate.clone(),
             exchange: self.exchange.clone(),
             factorised: self.factorised.iter().filter(|(operator, _)| *operator == Operator::Mass).cloned().collect(),
             ..*self

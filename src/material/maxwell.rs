@@ -21,11 +21,6 @@ pub struct Term {
 }
 
 impl Maxwell {
-    /// Chain that does not relax, of a modulus (Pa).
-    pub fn elastic(modulus: f64) -> Self {
-        Self { equilibrium: modulus, terms: Vec::new() }
-    }
-
     /// Instantaneous modulus G(0) = G∞ + Σ G_i, Pa.
     pub fn instantaneous(&self) -> f64 {
         self.equilibrium + self.terms.iter().map(|term| term.modulus).sum::<f64>()

@@ -172,7 +172,7 @@ fn found(
     watch: &dyn Watch,
 ) -> Result<Option<Found>> {
     let (Assembled::Local(body), Some(cells)) = (&built.body, built.cells) else { return Ok(None) };
-    // Echoes that relaxation damps would take a long basis of the elastic body.
+    // Without relaxation the echoes are not damped, and the elastic body would need a longer basis than this one.
     if watch.decided(Plan::new(built.body.linear(), scene).has_echoes) {
         return Ok(None);
     }

@@ -69,11 +69,6 @@ const LEAST_TOLERANCE_OF_BLOCKS: f64 = 1e-3;
 /// vectors, so that blocks save no time.
 const LEAST_UNKNOWNS_OF_LANCZOS_BLOCKS: usize = 2000;
 
-/// Number of vectors of a viscoelastic body over that of an elastic one, if the echoes of short waves are computed in
-/// closed form. Relaxation damps echoes; on a laminated pane of 1.1 x 0.9 m the estimated error was half of that of the
-/// elastic pane.
-const VECTORS_OF_DAMPED_ECHOES: f64 = 0.67;
-
 /// Number of vectors added to the basis of a small body between two checks for interruption, per symmetry class.
 const VECTORS_PER_CHECK: usize = 32;
 
@@ -359,10 +354,7 @@ impl Plan {
         let shift = SHIFT_OVER_CUTOFF * frequency;
         let start = Start { end, leaves_short_waves: true, in_blocks, ..Start::from(shift) };
         let has_echoes = plate.is_some_and(|plate| plate.rectangle.is_some());
-        let mut vectors = vectors_over_one_shift(rates(&body.chains(), start.shift, end).len()) * vectors as f64;
-        if has_echoes && !body.chains().is_empty() {
-            vectors *= VECTORS_OF_DAMPED_ECHOES;
-        }
+        let vectors = vectors_over_one_shift(rates(&body.chains(), start.shift, end).len()) * vectors as f64;
         // The first basis is the smaller one in the comparison with the second, if there are two.
         let vectors = if has_echoes { vectors } else { vectors / 1.5 }.ceil() as usize;
         Self { start, vectors, has_echoes }

@@ -61,7 +61,7 @@ impl StandingWaves {
 impl Axis<'_> {
     /// Standing waves of both edges for a squared wavenumber across them and one along them (1/m²).
     pub fn pair(&self, across: f64, along: f64) -> StandingWaves {
-        let waves = self.waves.near((across + along).sqrt());
+        let waves = self.waves.equivalent_mindlin((across + along).sqrt());
         let of = |edge| StandingWave::at_edge(edge, &waves, SquaredWavenumbers { across, along });
         let [lower, upper] = self.edges;
         let one = of(lower);

@@ -1,11 +1,12 @@
 //! Bending waves of a plate of several layers, tabulated over the wavenumber.
 //!
 //! Plies on a soft interlayer bend together in long waves and separately in short ones, so that the bending stiffness
-//! depends on the wavenumber. At an edge, a wave is reflected as by the Mindlin plate in which it has the same
-//! frequency. The other waves of the layers, such as the sliding of plies on each other, are neglected there.
+//! depends on the wavenumber. An edge reflects a wave as it would in the Mindlin plate whose wave of this wavenumber has
+//! the same frequency. The other waves of the layers, such as the sliding of plies on each other, are neglected there.
 //!
-//! A wave of viscoelastic layers decays. With the shape y and the frequency ω for the storage moduli G′(ω), its rate λ
-//! satisfies λ² = −ω² − i G″(ω) yᵀDy, up to terms of the second order in the loss.
+//! A free vibration y exp(λt) of viscoelastic layers decays. With the frequency ω and the shape y (yᵀMy = 1) for the storage
+//! moduli G′(ω), and the stiffness H of a part for a unit shear modulus, λ² = −ω² − i G″(ω) yᵀHy up to terms of the second
+//! order in the loss.
 
 use std::rc::Rc;
 
@@ -14,16 +15,23 @@ use nalgebra::{Complex, DMatrix, RowDVector, SymmetricEigen};
 use super::BendingWaves;
 use crate::material::Maxwell;
 
-/// Number of iterations for the frequency at which the moduli of a vibration are taken. Moduli change little over the
-/// change of the frequency.
-const ROUNDS: usize = 6;
+/// Largest number of iterations for the frequency at which the moduli of a vibration are taken, and the relative change
+/// at which they end.
+const MAX_ROUNDS: usize = 10;
+const CHANGE: f64 = 1e-7;
+
+/// Largest m ω²/(S ξ²) of a wave. In the equivalent Mindlin plate, waves are slower than the shear waves of the plies.
+const FASTEST: f64 = 0.9;
+
+/// Number of entries of the table between which a cubic interpolates.
+const ENTRIES: usize = 4;
 
 /// Wave of a stack of layers with one wavenumber, in coordinates of unit mass.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WaveOfLayers {
+pub struct LaminateWave {
     /// Stiffness after all relaxation, 1/s².
     pub stiffness: DMatrix<f64>,
-    /// Stiffness of the viscoelastic parts for a unit shear modulus, 1/(Pa s²).
+    /// Stiffness of each viscoelastic part for a unit shear modulus, 1/(Pa s²).
     pub distortions: Vec<DMatrix<f64>>,
     /// Linear form that reads the displacement under the impactor, 1/√(kg/m²).
     pub reading: RowDVector<f64>,
@@ -33,18 +41,18 @@ pub struct WaveOfLayers {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayeredWaves {
     /// Waves whose wavenumbers grow in equal ratios.
-    waves: Rc<[WaveOfLayers]>,
-    /// Logarithms of the first wavenumber (1/m) and of the ratio.
-    places: [f64; 2],
-    /// The plies side by side, without a bond: their mass, shear stiffness and rotary inertia.
+    waves: Rc<[LaminateWave]>,
+    /// Logarithm of the first wavenumber (1/m), and logarithm of the ratio of successive wavenumbers.
+    grid: [f64; 2],
+    /// The plies as unbonded plates that deflect together. Their bending stiffness is not used.
     plies: BendingWaves,
+    /// Prony series of the viscoelastic parts.
+    chains: Vec<Maxwell>,
     /// G∞ (Pa) of each viscoelastic part that the stiffness contains.
     equilibria: Vec<f64>,
-    /// Shift of the basis, 1/s.
-    shift: f64,
-    /// Logarithms of the frequencies (rad/s) with the moduli at the shift.
+    /// Logarithms of the frequencies ω (rad/s) of the first waves, with the moduli of one rate.
     frequencies: Vec<f64>,
-    /// Decay rate and frequency of the vibrations, over that frequency.
+    /// λ/ω: rates of the free vibrations over these frequencies.
     vibrations: Vec<Complex<f64>>,
     /// Squares of the displacements under the impactor, m²/kg.
     mobilities: Vec<f64>,
@@ -52,100 +60,118 @@ pub struct LayeredWaves {
 
 impl LayeredWaves {
     /// Tabulates the waves with wavenumbers in equal ratios: `first` (1/m), then times `ratio`. `chains` are the Prony
-    /// series of the viscoelastic parts, and `shift` the rate (1/s) at which the basis has their moduli. `plies` has the
-    /// mass, the shear stiffness and the rotary inertia of the plies.
+    /// series of the viscoelastic parts. Frequencies have their moduli at `rate` (1/s). `plies` has the mass, the shear
+    /// stiffness and the rotary inertia of the plies.
     ///
-    /// `None` if the wave that the impactor excites most does not become faster with its wavenumber: then it is not the
-    /// same kind of wave everywhere.
+    /// The table ends where the slowest wave is not the one that the impactor excites most, is no faster than the wave before,
+    /// or is nearly as fast as the shear waves of the plies. `None` if it has too few entries.
     pub fn new(
-        waves: Vec<WaveOfLayers>,
+        waves: Vec<LaminateWave>,
         [first, ratio]: [f64; 2],
         plies: BendingWaves,
         chains: &[&Maxwell],
-        shift: f64,
+        rate: f64,
     ) -> Option<Self> {
         let table = Self {
             waves: waves.into(),
-            places: [first.ln(), ratio.ln()],
+            grid: [first.ln(), ratio.ln()],
             plies,
+            chains: chains.iter().map(|chain| (*chain).clone()).collect(),
             equilibria: chains.iter().map(|chain| chain.equilibrium).collect(),
-            shift,
             frequencies: Vec::new(),
             vibrations: Vec::new(),
             mobilities: Vec::new(),
         };
-        table.with_chains(chains)
+        table.at_rate(rate)
     }
 
-    /// Returns the waves with other Prony series, in the same order.
-    pub fn with_chains(&self, chains: &[&Maxwell]) -> Option<Self> {
-        let count = self.waves.len();
-        let mut changed = Self {
-            frequencies: Vec::with_capacity(count),
-            vibrations: Vec::with_capacity(count),
-            mobilities: Vec::with_capacity(count),
-            ..self.clone()
+    /// Returns the waves with other Prony series, in the same order, and with the moduli at `rate` (1/s).
+    pub fn with_chains(&self, chains: &[&Maxwell], rate: f64) -> Option<Self> {
+        let chains = chains.iter().map(|chain| (*chain).clone()).collect();
+        Self { chains, ..self.clone() }.at_rate(rate)
+    }
+
+    /// Returns the waves with the moduli at another rate (1/s). `None` as for [`Self::new`].
+    pub fn at_rate(&self, rate: f64) -> Option<Self> {
+        let beyond = |modulus: &dyn Fn(&Maxwell) -> f64| -> Vec<f64> {
+            self.chains.iter().zip(&self.equilibria).map(|(chain, known)| modulus(chain) - known).collect()
         };
-        for wave in self.waves.iter() {
-            let beyond = |modulus: &dyn Fn(&Maxwell) -> f64| -> Vec<f64> {
-                chains.iter().zip(&self.equilibria).map(|(chain, known)| modulus(chain) - known).collect()
-            };
-            let at_shift = wave.bending(&beyond(&|chain| chain.transformed(self.shift)));
-            let (mut frequency, mut lost) = (at_shift.frequency, 0.0);
-            if chains.iter().any(|chain| !chain.terms.is_empty()) {
-                for _ in 0..ROUNDS {
-                    let vibration = wave.bending(&beyond(&|chain| chain.storage(frequency)));
-                    let losses = chains.iter().map(|chain| chain.loss(frequency));
-                    lost = losses.zip(&vibration.stretches).map(|(loss, stretch)| loss * stretch).sum();
-                    frequency = vibration.frequency;
+        let relaxes = self.chains.iter().any(|chain| !chain.terms.is_empty());
+        let at_rate = beyond(&|chain| chain.transformed(rate));
+        let [first, ratio] = self.grid;
+        let mut entries: Vec<Bending> = Vec::new();
+        for (number, wave) in self.waves.iter().enumerate() {
+            let bending = wave.bending(&at_rate);
+            let square = (2.0 * (first + number as f64 * ratio)).exp();
+            let is_slow = self.plies.mass * bending.frequency.powi(2) <= FASTEST * self.plies.shear * square;
+            let is_faster = entries.last().is_none_or(|before| bending.frequency > before.frequency);
+            if !(bending.is_most_excited && is_slow && is_faster) {
+                break;
+            }
+            entries.push(bending);
+        }
+        if entries.len() < ENTRIES {
+            return None;
+        }
+        let vibration = |(wave, at_rate): (&LaminateWave, &Bending)| {
+            let (mut frequency, mut lost) = (at_rate.frequency, 0.0);
+            for _ in 0..if relaxes { MAX_ROUNDS } else { 0 } {
+                let before = frequency;
+                let found = wave.bending(&beyond(&|chain| chain.storage(before)));
+                let losses = self.chains.iter().map(|chain| chain.loss(before));
+                lost = losses.zip(&found.strains).map(|(loss, strain)| loss * strain).sum();
+                frequency = found.frequency;
+                if (frequency / before - 1.0).abs() < CHANGE {
+                    break;
                 }
             }
             let root = Complex::new(frequency * frequency, lost).sqrt();
-            changed.frequencies.push(at_shift.frequency.ln());
-            changed.vibrations.push(Complex::new(-root.im, root.re) / at_shift.frequency);
-            changed.mobilities.push(at_shift.mobility);
-        }
-        let is_ascending = changed.frequencies.windows(2).all(|pair| pair[1] > pair[0]);
-        (is_ascending && changed.frequencies.iter().all(|of| of.is_finite())).then_some(changed)
+            Complex::new(-root.im, root.re) / at_rate.frequency
+        };
+        Some(Self {
+            frequencies: entries.iter().map(|wave| wave.frequency.ln()).collect(),
+            vibrations: self.waves.iter().zip(&entries).map(vibration).collect(),
+            mobilities: entries.iter().map(|wave| wave.mobility).collect(),
+            ..self.clone()
+        })
     }
 
-    /// The plies side by side: their mass, shear stiffness and rotary inertia.
-    pub fn plies(&self) -> &BendingWaves {
-        &self.plies
+    /// Returns the frequency up to which the table reaches and the plies have no other waves, rad/s.
+    pub fn largest(&self) -> f64 {
+        self.plies.thickness_shear().min(self.frequencies[self.frequencies.len() - 1].exp())
     }
 
     /// Returns the Mindlin plate whose bending wave of a wavenumber (1/m) has the same frequency.
-    pub fn near(&self, wavenumber: f64) -> BendingWaves {
-        self.plies.tuned(wavenumber, self.frequency(wavenumber))
+    pub fn equivalent_mindlin(&self, wavenumber: f64) -> BendingWaves {
+        self.plies.with_frequency(wavenumber, self.frequency(wavenumber))
     }
 
-    /// Returns the frequency of the wave with a wavenumber (1/m) and the moduli at the shift, rad/s.
+    /// Returns the frequency of the wave with a wavenumber (1/m) and the moduli at the rate of the table, rad/s.
     pub fn frequency(&self, wavenumber: f64) -> f64 {
-        let (place, weights) = self.place(wavenumber);
-        weights.iter().zip(&self.frequencies[place..]).map(|(weight, value)| weight * value).sum::<f64>().exp()
+        let (start, weights) = self.interpolation(wavenumber);
+        weights.iter().zip(&self.frequencies[start..]).map(|(weight, value)| weight * value).sum::<f64>().exp()
     }
 
     /// Returns the rate of the free vibration with a wavenumber (1/m), 1/s.
     pub fn rate(&self, wavenumber: f64) -> Complex<f64> {
-        let (place, weights) = self.place(wavenumber);
+        let (start, weights) = self.interpolation(wavenumber);
         let ratio: Complex<f64> =
-            weights.iter().zip(&self.vibrations[place..]).map(|(weight, value)| value * *weight).sum();
-        ratio * self.frequency(wavenumber)
+            weights.iter().zip(&self.vibrations[start..]).map(|(weight, value)| value * *weight).sum();
+        Complex::new(ratio.re.min(0.0), ratio.im) * self.frequency(wavenumber)
     }
 
     /// Returns the square of the displacement under the impactor for a unit amplitude of a wave, m²/kg.
     pub fn mobility(&self, wavenumber: f64) -> f64 {
-        let (place, weights) = self.place(wavenumber);
-        weights.iter().zip(&self.mobilities[place..]).map(|(weight, value)| weight * value).sum::<f64>().max(0.0)
+        let (start, weights) = self.interpolation(wavenumber);
+        weights.iter().zip(&self.mobilities[start..]).map(|(weight, value)| weight * value).sum::<f64>().max(0.0)
     }
 
     /// Returns the first of four entries of the table, and the weights with which they interpolate at a wavenumber (1/m):
     /// cubic between the entries, linear beyond them.
-    fn place(&self, wavenumber: f64) -> (usize, [f64; 4]) {
-        let [first, ratio] = self.places;
+    fn interpolation(&self, wavenumber: f64) -> (usize, [f64; ENTRIES]) {
+        let [first, ratio] = self.grid;
         let at = (wavenumber.ln() - first) / ratio;
-        let last = self.waves.len() - 4;
-        let start = (at - 1.0).floor().clamp(0.0, last as f64);
+        let start = (at - 1.0).floor().clamp(0.0, (self.frequencies.len() - ENTRIES) as f64);
         let x = at - start;
         let weights = match x {
             _ if x < 0.0 => [1.0 - x, x, 0.0, 0.0],
@@ -167,24 +193,27 @@ struct Bending {
     frequency: f64,
     /// Square of the displacement under the impactor, m²/kg.
     mobility: f64,
-    /// yᵀDy of each viscoelastic part, 1/(Pa s²).
-    stretches: Vec<f64>,
+    /// Whether no other wave of the wavenumber has a larger one.
+    is_most_excited: bool,
+    /// yᵀHy of each viscoelastic part, 1/(Pa s²).
+    strains: Vec<f64>,
 }
 
-impl WaveOfLayers {
-    /// The wave that the impactor excites most, with moduli (Pa) beyond those of the stiffness.
+impl LaminateWave {
+    /// The slowest wave, with moduli (Pa) beyond those of the stiffness.
     fn bending(&self, moduli: &[f64]) -> Bending {
         let parts = moduli.iter().zip(&self.distortions);
         let stiffness = parts.fold(self.stiffness.clone(), |sum, (modulus, part)| sum + part * *modulus);
         let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(stiffness);
         let read = &self.reading * &eigenvectors;
         let squares = read.component_mul(&read);
-        let most = squares.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(at, _)| at);
-        let shape = eigenvectors.column(most);
+        let slowest = eigenvalues.imin();
+        let shape = eigenvectors.column(slowest);
         Bending {
-            frequency: eigenvalues[most].max(0.0).sqrt(),
-            mobility: squares[most],
-            stretches: self.distortions.iter().map(|part| shape.dot(&(part * shape))).collect(),
+            frequency: eigenvalues[slowest].max(0.0).sqrt(),
+            mobility: squares[slowest],
+            is_most_excited: squares[slowest] >= squares.max(),
+            strains: self.distortions.iter().map(|part| shape.dot(&(part * shape))).collect(),
         }
     }
 }
@@ -199,11 +228,11 @@ mod tests {
     const RATIO: f64 = 1.05;
 
     /// Waves of Mindlin's plate with the deflection and the rotation as amplitudes.
-    fn of_mindlin(waves: BendingWaves, wavenumber: f64) -> WaveOfLayers {
+    fn of_mindlin(waves: BendingWaves, wavenumber: f64) -> LaminateWave {
         let BendingWaves { mass, rigidity, shear, rotary, .. } = waves;
         let coupled = shear * wavenumber / (mass * rotary).sqrt();
         let square = wavenumber * wavenumber;
-        WaveOfLayers {
+        LaminateWave {
             stiffness: dmatrix![shear * square / mass, coupled; coupled, (rigidity * square + shear) / rotary],
             distortions: Vec::new(),
             reading: RowDVector::from_row_slice(&[mass.sqrt().recip(), 0.0]),
@@ -211,7 +240,7 @@ mod tests {
     }
 
     /// Between and beyond the entries of the table, the waves are those of the plate that it was made from: to 2e-6 in the
-    /// range of the table, whose cubics have an error of (ln 1.05)⁴, and to 1e-3 for longer waves, which are no powers exactly.
+    /// range of the table, whose cubics have an error of (ln 1.05)⁴, and to 1e-3 for longer waves, whose frequency is not exactly a power of the wavenumber.
     #[test]
     fn a_table_has_the_waves_of_its_plate() {
         let waves = BendingWaves { mass: 20.0, rigidity: 3150.0, shear: 2e8, rotary: 1e-4, poisson: 0.23 };
@@ -222,7 +251,7 @@ mod tests {
             let off = |found: f64, exact: f64| (found / exact - 1.0).abs();
             assert!(off(table.frequency(wavenumber), waves.frequency(wavenumber)) < tolerance, "{wavenumber}");
             assert_eq!(table.rate(wavenumber).re, 0.0);
-            let near = table.near(wavenumber);
+            let near = table.equivalent_mindlin(wavenumber);
             assert!(off(near.frequency(wavenumber), table.frequency(wavenumber)) < 1e-9, "{wavenumber}");
             // The frequency depends little on the bending stiffness where shear dominates.
             let share = waves.frequency(wavenumber) / (waves.rigidity / waves.mass).sqrt() / wavenumber.powi(2);
@@ -234,7 +263,7 @@ mod tests {
     /// that relaxes, the error is a quarter. With another series, it is the rate of this series.
     #[test]
     fn a_lossy_wave_decays() {
-        let wave = |wavenumber: f64| WaveOfLayers {
+        let wave = |wavenumber: f64| LaminateWave {
             stiffness: dmatrix![wavenumber.powi(4)],
             distortions: vec![dmatrix![0.3 * wavenumber.powi(4)]],
             reading: RowDVector::from_row_slice(&[1.0]),
@@ -252,7 +281,7 @@ mod tests {
         let [stiffness, distortion] = [1.0, 0.3].map(|factor| factor * wavenumber.powi(4));
         let error = |modulus: f64| {
             let chain = chain(modulus);
-            let found = table.with_chains(&[&chain]).expect("waves").rate(wavenumber);
+            let found = table.with_chains(&[&chain], 3.0).expect("waves").rate(wavenumber);
             let mut rate = found;
             for _ in 0..20 {
                 let [mut value, mut slope] = [rate * rate + stiffness, rate * 2.0];
@@ -273,7 +302,7 @@ mod tests {
     /// A wave that becomes slower with its wavenumber has no table.
     #[test]
     fn other_kinds_of_waves_are_refused() {
-        let wave = |i: i32| WaveOfLayers {
+        let wave = |i: i32| LaminateWave {
             stiffness: dmatrix![f64::from(30 - i)],
             distortions: Vec::new(),
             reading: RowDVector::from_row_slice(&[1.0]),

@@ -30,7 +30,7 @@ use crate::material::Maxwell;
 use axis::Axis;
 
 pub use edge::EdgeSprings;
-pub use layered::{LayeredWaves, WaveOfLayers};
+pub use layered::{LaminateWave, LayeredWaves};
 pub use waves::{BendingWaves, PlateWaves};
 
 /// Largest number of iterations between both axes for the wavenumbers of a mode, which start from those of its
@@ -63,17 +63,23 @@ pub struct RectangularPlate {
 }
 
 impl RectangularPlate {
-    /// Returns the plate with other Prony series for its viscoelastic parts, in the same order. Series with which it
-    /// would have no such waves leave it as it is.
-    #[must_use]
-    pub fn with_chains(&self, chains: &[&Maxwell]) -> Self {
-        let mut changed = self.clone();
-        if let PlateWaves::Layered(waves) = &mut changed.waves
-            && let Some(others) = waves.with_chains(chains)
-        {
-            *waves = others;
+    /// Returns the plate with the waves that `of` makes of those of its layers. `None` if there are none.
+    fn with_layered(self, of: impl Fn(&LayeredWaves) -> Option<LayeredWaves>) -> Option<Self> {
+        match &self.waves {
+            PlateWaves::Mindlin(_) => Some(self),
+            PlateWaves::Layered(waves) => of(waves).map(|waves| Self { waves: PlateWaves::Layered(waves), ..self }),
         }
-        changed
+    }
+
+    /// Returns the plate with other Prony series for its viscoelastic parts, in the same order, and with the moduli at a
+    /// rate (1/s). `None` if these have no table of waves.
+    pub fn with_chains(self, chains: &[&Maxwell], rate: f64) -> Option<Self> {
+        self.with_layered(|waves| waves.with_chains(chains, rate))
+    }
+
+    /// Returns the plate with the moduli of viscoelastic parts at a rate (1/s). `None` if these have no table of waves.
+    pub fn at_rate(self, rate: f64) -> Option<Self> {
+        self.with_layered(|waves| waves.at_rate(rate))
     }
 
     /// One of both axes.

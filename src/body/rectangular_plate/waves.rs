@@ -46,7 +46,7 @@ impl BendingWaves {
 
     /// Returns the plate with the bending stiffness for which the bending wave of a wavenumber (1/m) has this frequency
     /// (rad/s).
-    pub fn tuned(&self, wavenumber: f64, frequency: f64) -> Self {
+    pub fn with_frequency(&self, wavenumber: f64, frequency: f64) -> Self {
         // From the characteristic equation (S ξ² − m ω²) (D ξ² + S − J ω²) = S² ξ².
         let [square, of_time] = [wavenumber, frequency].map(|value| value * value);
         let Self { mass, shear, rotary, .. } = *self;
@@ -66,15 +66,15 @@ pub enum PlateWaves {
 
 impl PlateWaves {
     /// Returns the Mindlin plate whose bending wave of a wavenumber (1/m) has the same frequency.
-    pub fn near(&self, wavenumber: f64) -> BendingWaves {
+    pub fn equivalent_mindlin(&self, wavenumber: f64) -> BendingWaves {
         match self {
             Self::Mindlin(waves) => *waves,
-            Self::Layered(waves) => waves.near(wavenumber),
+            Self::Layered(waves) => waves.equivalent_mindlin(wavenumber),
         }
     }
 
     /// Returns the frequency of the wave with a wavenumber (1/m), rad/s. Viscoelastic layers have their moduli at the
-    /// shift of the basis.
+    /// rate of the table.
     pub fn frequency(&self, wavenumber: f64) -> f64 {
         match self {
             Self::Mindlin(waves) => waves.frequency(wavenumber),
@@ -94,7 +94,7 @@ impl PlateWaves {
     pub fn thickness_shear(&self) -> f64 {
         match self {
             Self::Mindlin(waves) => waves.thickness_shear(),
-            Self::Layered(waves) => waves.plies().thickness_shear(),
+            Self::Layered(waves) => waves.largest(),
         }
     }
 

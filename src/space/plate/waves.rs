@@ -66,12 +66,15 @@ pub(super) fn of_points(points: &Points, relaxations: &[(&Maxwell, Vec<usize>)],
         (None, Some(local)) => WavesOfTheory::Mindlin(section, local),
         (None, None) => WavesOfTheory::Thin,
     };
-    let rectangle = rectangle.clone().map(|rectangle| match &waves {
+    let rectangle = rectangle.clone().and_then(|rectangle| match &waves {
         WavesOfTheory::Layerwise(waves) => {
-            let layered = layered_waves(geometry, section, waves, &rectangle, relaxations, rate);
-            RectangularPlate { waves: layered.map_or(rectangle.waves, PlateWaves::Layered), ..rectangle }
+            let layered = layered_waves(geometry, section, waves, laminate.as_ref()?, relaxations, rate);
+            if layered.is_none() {
+                tracing::debug!("the slowest waves do not bend the laminate: no modes in closed form");
+            }
+            layered.map(|waves| RectangularPlate { waves: PlateWaves::Layered(waves), ..rectangle })
         }
-        _ => rectangle,
+        _ => Some(rectangle),
     });
     of_section(geometry, section, &waves).with_echoes(rectangle)
 }
@@ -86,7 +89,8 @@ const LEAST_TOLERANCE: f64 = 4e-3;
 /// in the same time.
 const LEAST_EDGE_STIFFNESS: f64 = 3.0;
 
-/// A scene's plate with the springs along its edges, for waves of Mindlin's theory.
+/// A scene's plate with the springs along its edges, for the waves of a theory with shear. Those of a laminate are a first
+/// estimate: its layers as one plate, with the bending stiffness for the waves of the contact.
 ///
 /// `None` if its waves are not computed in closed form. This needs edges that are clamped or on stiff springs, supports
 /// along whole edges only, and no dampers or foundation pads. It also needs a large tolerance, which applies to the
@@ -117,7 +121,8 @@ pub(super) fn rectangle(
         };
         for (axis, is_upper) in faces(&support.surface) {
             let across = geometry.axes.iter().position(|of| of == axis)?;
-            // Springs in the plane resist rotations: ∫ k ζ² dζ = k h³/12.
+            // Springs in the plane resist rotations of the whole thickness: ∫ k ζ² dζ = k h³/12. On plies that turn
+            // separately this is an approximation.
             let [area, inertia] = [section.thickness, section.inertia()];
             let springs = &mut edges[across][usize::from(*is_upper)];
             springs.deflection += stiffness[geometry.normal] * area;
@@ -126,7 +131,8 @@ pub(super) fn rectangle(
         }
     }
     let is_soft = |axis: usize| {
-        let least = LEAST_EDGE_STIFFNESS * section.rigidity() * (PI / geometry.edges[axis]).powi(3);
+        let rigidity = laminate.map_or_else(|| section.rigidity(), Laminate::rigidity);
+        let least = LEAST_EDGE_STIFFNESS * rigidity * (PI / geometry.edges[axis]).powi(3);
         edges[axis].iter().any(|edge: &EdgeSprings| edge.deflection < least)
     };
     if is_soft(0) || is_soft(1) {
@@ -144,21 +150,20 @@ pub(super) fn rectangle(
     })
 }
 
-/// Waves of a laminate in the table from which its modes in closed form are computed, for the plies of a `rectangle`.
+/// Table of a laminate's waves, from which its modes in closed form are computed.
 fn layered_waves(
     geometry: &PlateGeometry,
     section: &Section,
     waves: &LayerwiseWaves,
-    rectangle: &RectangularPlate,
+    laminate: &Laminate,
     relaxations: &[(&Maxwell, Vec<usize>)],
     rate: f64,
 ) -> Option<LayeredWaves> {
-    let PlateWaves::Mindlin(plies) = rectangle.waves else { return None };
     let first = first_wavenumber(section);
     let excited = (0..).map(|i| first * STEP.powi(i)).take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
-    let of_layers = excited.map(|wavenumber| waves.of_layers(wavenumber, geometry.multiplicity()));
+    let of_layers = excited.map(|wavenumber| waves.with_parts(wavenumber, geometry.multiplicity()));
     let chains: Vec<&Maxwell> = relaxations.iter().map(|(chain, _)| *chain).collect();
-    LayeredWaves::new(of_layers.collect(), [first, STEP], plies, &chains, rate)
+    LayeredWaves::new(of_layers.collect(), [first, STEP], laminate.plies(section), &chains, rate)
 }
 
 /// Bending waves of a section with a shear factor κ.

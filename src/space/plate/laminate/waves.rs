@@ -7,7 +7,7 @@
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
 use super::Laminate;
-use crate::body::WaveOfLayers;
+use crate::body::LaminateWave;
 use crate::form::layerwise::{ROTATIONS, is_rotation};
 use crate::form::plate::DEFLECTION;
 use crate::form::tensor::{Part, Square};
@@ -77,14 +77,14 @@ impl<'a> LayerwiseWaves<'a> {
 
     /// The wave of a wavenumber ξ (1/m) with its viscoelastic parts apart. `multiplicity` is the number of modelled parts
     /// in the whole plate.
-    pub fn of_layers(&self, wavenumber: f64, multiplicity: f64) -> WaveOfLayers {
+    pub fn with_parts(&self, wavenumber: f64, multiplicity: f64) -> LaminateWave {
         let lower = self.symbol(&self.forms[1], wavenumber).cholesky().expect("all layers have mass").l();
         let solve = |rows: &DMatrix<f64>| lower.solve_lower_triangular(rows).expect("a factor has no zeros");
         let reduced = |forms: &[Square<2>]| solve(&solve(&self.symbol(forms, wavenumber)).transpose());
         let read = self.row(self.reading.iter().copied(), wavenumber).map(|value| value.re);
         let read = lower.solve_lower_triangular(&read).expect("a factor has no zeros");
         let spread = self.laminate.spread.transform(wavenumber * self.laminate.radius);
-        WaveOfLayers {
+        LaminateWave {
             stiffness: reduced(&self.relaxed),
             distortions: self.distortions.iter().map(|forms| reduced(forms)).collect(),
             reading: read.transpose() * (multiplicity.sqrt() * spread),
