@@ -33,11 +33,11 @@ def drawn(number):
     return Scene(size, draw.one_of(13, EDGES), mass, radius, draw.between(11, 1, 6), point, "glass")
 
 
-def run(program, folder, scene, model, end, tolerance):
-    """A result."""
-    source, result = folder / "scene.toml", folder / f"{tolerance}.h5"
+def run(program, folder, scene, model, end, tolerance, more=()):
+    """A result, with more keys of the scene."""
+    source, result = folder / "scene.toml", folder / f"{'-'.join([str(tolerance), *more])}.h5"
     source.write_text(scene.text(end))
-    keys = (f"body.model={model}", f"accuracy.tolerance={tolerance}")
+    keys = (f"body.model={model}", f"accuracy.tolerance={tolerance}", *more)
     overrides = [word for key in keys for word in ("--set", key)]
     subprocess.run([program, "-q", "run", source, "-o", result, "--force", *overrides], check=True, capture_output=True)
     return Result(result, scene.tension_face)

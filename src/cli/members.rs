@@ -4,12 +4,12 @@
 use std::collections::BTreeMap;
 
 use crate::impact::{Plan, beside, estimated};
-use crate::model::{Edges, LARGE_ERROR_OF_DEFLECTION, edges, largest_linear};
+use crate::model::{Edges, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, edges, largest_linear};
 use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, Remark, UNESTIMATED_ROTATIONS, USELESS};
+use super::notes::{self, REMEDY_OF_TENSION, Remark, UNESTIMATED_ROTATIONS, USELESS};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
@@ -100,6 +100,7 @@ impl Remarks {
             let (first, whole) = (of(Quantity::FirstContactError), of(Quantity::ErrorEstimate));
             let over_thickness = of(Quantity::DeflectionOverThickness);
             let deflection_error = of(Quantity::DeflectionErrorEstimate);
+            let tension_error = of(Quantity::StressErrorEstimate);
             let remark = |kind: &str, size: f64, text: String| Remark { kind: kind.to_owned(), size, text };
             let of_first = format!(
                 "the estimated error in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e}",
@@ -107,7 +108,7 @@ impl Remarks {
             );
             let (error, quantity) = match measure {
                 Measure::Acceleration => (f64::NAN, ""),
-                Measure::Stress => (of(Quantity::StressErrorEstimate), "the tension in the first contact"),
+                Measure::Stress => (tension_error, "the tension in the first contact"),
                 Measure::Deflection => (deflection_error, "the deflection under the impactor"),
             };
             if error > *tolerance {
@@ -116,6 +117,13 @@ impl Remarks {
                     beside(error, *tolerance)
                 );
                 all.warnings.add(member, remark("quantity of the tolerance", error, text));
+            }
+            if *measure != Measure::Stress && tension_error > LARGE_ERROR_OF_TENSION.max(*tolerance) {
+                let text = format!(
+                    "the estimated error of the largest tension in the first contact is {}; {REMEDY_OF_TENSION} may lower this error",
+                    estimated(tension_error)
+                );
+                all.notes.add(member, remark("error of the tension", tension_error, text));
             }
             if *measure != Measure::Deflection && deflection_error > LARGE_ERROR_OF_DEFLECTION {
                 let text = format!(

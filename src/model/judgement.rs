@@ -27,6 +27,9 @@ const UNSEEN_OF_LONG_WAVES: f64 = 0.1;
 /// must have an estimated error below [`BASIS_SHARE`] times this value, if the tolerance applies to another quantity.
 pub const LARGE_ERROR_OF_DEFLECTION: f64 = 0.1;
 
+/// Error of the largest tension over its peak, above which the tension is of little use.
+pub const LARGE_ERROR_OF_TENSION: f64 = 0.1;
+
 /// Largest [`cost`] of a basis that is enlarged, or made again, to limit the error of the deflection. A plate of this cost
 /// takes about a second, a laminate up to four.
 pub(super) const LARGEST_COST_FOR_DEFLECTIONS: f64 = 4e8;

@@ -19,7 +19,7 @@ mod trials;
 pub mod watch;
 
 pub use error_factors::ErrorFactors;
-pub use judgement::LARGE_ERROR_OF_DEFLECTION;
+pub use judgement::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION};
 use judgement::{LARGEST_COST_FOR_DEFLECTIONS, cost};
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 pub use mindlin_error::mindlin_error_over_difference;
@@ -56,6 +56,8 @@ pub struct Model {
     pub discretisation: String,
     /// Number of basis vectors, if the body is reduced.
     pub vectors: Option<usize>,
+    /// Whether the basis leaves out short waves, which are computed in closed form.
+    pub leaves_short_waves: bool,
     /// The body reduced to another basis, for estimating the error of impacts that differ from the scene's.
     pub judge: Option<JudgeBasis>,
     /// Tolerance of the time steps: the scene's, or half of the theory's error if that is larger.
@@ -180,6 +182,7 @@ impl Model {
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_moved_by_loads) = (projection.vectors(), is_moved_by_loads(&projection, &force.0));
+        let leaves_short_waves = projection.infinite_plate.is_some();
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
             _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.whole(vectors)))?),
@@ -192,7 +195,17 @@ impl Model {
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
         let bare = Self::bare(scene, theory, dynamics, unknowns, discretisation);
-        let model = Self { vectors, judge, known, gauges, measures, is_moved_by_loads, may_lower_shift, ..bare };
+        let model = Self {
+            vectors,
+            leaves_short_waves,
+            judge,
+            known,
+            gauges,
+            measures,
+            is_moved_by_loads,
+            may_lower_shift,
+            ..bare
+        };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -209,6 +222,7 @@ impl Model {
             unknowns,
             discretisation,
             vectors: None,
+            leaves_short_waves: false,
             judge: None,
             known: Vec::new(),
             is_moved_by_loads: false,

@@ -1,9 +1,9 @@
 //! Section of a report with the model, the reason for its selection, its estimated errors and its assumptions.
 
-use crate::model::LARGE_ERROR_OF_DEFLECTION;
+use crate::model::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION};
 use crate::record::provenance::ModelDetails;
 use crate::record::stress::Stresses;
-use crate::scene::{Model, Scene};
+use crate::scene::{Measure, Model, Scene};
 
 use super::data::Data;
 use super::number::percent;
@@ -139,6 +139,11 @@ pub fn stress_error(data: &Data, stresses: &Stresses) -> Estimate {
     } else if is_later {
         Estimate { value: "not estimated".to_owned(), of: "after the first contact".to_owned() }
     } else {
-        Estimate { value: percent(error), of: "of the peak, in the first contact".to_owned() }
+        let applies = |scene: &Scene| scene.measure != Measure::Stress && error > scene.tolerance;
+        let remedy = match error > LARGE_ERROR_OF_TENSION && data.scene.as_ref().is_ok_and(applies) {
+            true => "; accuracy.quantity = \"stress\" may lower it",
+            false => "",
+        };
+        Estimate { value: percent(error), of: format!("of the peak, in the first contact{remedy}") }
     }
 }
