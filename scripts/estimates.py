@@ -133,7 +133,9 @@ def judge(program, out, number):
 
 
 def percent(x):
-    """Per cent with two digits, or without decimals from 100%."""
+    """Per cent with two digits, or without decimals from 100%; an error without estimate is NaN."""
+    if np.isnan(x):
+        return "not estimated"
     return f"{100 * x:.0f}%" if x >= 1 else f"{100 * x:.2g}%"
 
 

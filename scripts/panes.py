@@ -43,6 +43,11 @@ def run(program, folder, scene, model, end, tolerance, more=()):
     return Result(result, scene.tension_face)
 
 
+def seconds(result):
+    """Wall time with two digits, or without decimals from 100 s."""
+    return f"{result.seconds:.2g}" if result.seconds < 99.5 else f"{result.seconds:.0f}"
+
+
 def row(program, out, number, scene, model, reference_tolerance):
     """One pane in a theory: errors against a run at another tolerance, estimates and times."""
     folder, end = out / str(number), 5e-4
@@ -55,7 +60,7 @@ def row(program, out, number, scene, model, reference_tolerance):
     pairs = [(errors[quantity], own.estimates[quantity]) for quantity in ("acceleration", "tension")]
     ratio = [estimate / error for error, estimate in pairs]
     cells = [f"{percent(error)} ({percent(estimate)})" for error, estimate in pairs]
-    words = [scene.plate(), scene.impactor(), f"{1e3 * first:.2g} ms", own.reduction.split()[0], *cells, f"{own.seconds:.2g} s", f"{reference.seconds:.2g} s"]
+    words = [scene.plate(), scene.impactor(), f"{1e3 * first:.2g} ms", own.reduction.split()[0], *cells, f"{seconds(own)} s", f"{seconds(reference)} s"]
     print(number, *words, *(f"{of:.1f}" for of in ratio), flush=True)
     return words
 

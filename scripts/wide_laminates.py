@@ -9,7 +9,7 @@ import numpy as np
 from estimate_scenes import MATERIALS, Draw, Scene, halton
 from estimates import percent
 from markers import replace, table
-from panes import HEAD, TOLERANCE, row, run
+from panes import HEAD, TOLERANCE, row, run, seconds
 
 REFERENCE = 3e-3
 # Multiples of 31, which is none of the bases, so that consecutive draws also differ in large bases.
@@ -74,7 +74,7 @@ class Laminate(Scene):
 
 @dataclass(frozen=True)
 class Window:
-    """An impact on a laminate whose basis of all waves takes 300 vectors or more; `end` of the run, s."""
+    """An impact on a laminate whose echoes are computed in closed form; `end` of the run, s."""
 
     laminate: Laminate
     end: float
@@ -89,20 +89,20 @@ WINDOWS = [
     Window(Laminate((1.2, 0.9), 5e8, 1.0, 0.04, 4.0, (0.0, 0.0), "elastic, 10 MPa", layers=(0.004, 0.00076, 0.004)), 1.5e-3),
 ]
 HEAD_OF_WINDOWS = ["pane", "impactor", "time simulated", "vectors", "acceleration: difference (estimates)", "tension near its peak", "largest tension", "time"]
-# If a strength is given, the basis has all waves.
-ALL_WAVES = "strength.tension=1e12"
+# If a strength is given, the basis carries the echoes.
+WITHOUT_CLOSED_FORMS = "strength.tension=1e12"
 
 
 def compared(program, out, number, window):
-    """One window: the run with short waves in closed form beside the run on all waves."""
+    """One window: the run with echoes in closed form beside the run without closed forms."""
     folder = out / f"window{number}"
     folder.mkdir(parents=True, exist_ok=True)
     scene, end = window.laminate, window.end
-    own, whole = (run(program, folder, scene, "layerwise", end, TOLERANCE, more) for more in ((), (ALL_WAVES,)))
+    own, whole = (run(program, folder, scene, "layerwise", end, TOLERANCE, more) for more in ((), (WITHOUT_CLOSED_FORMS,)))
     differences = own.errors(whole)
     cells = [f"{percent(differences[name])} ({percent(own.estimates[name])}, {percent(whole.estimates[name])})" for name in ("acceleration", "tension")]
     vectors = " / ".join(of.reduction.split()[0] for of in (own, whole))
-    times = f"{own.seconds:.2g} / {whole.seconds:.3g} s"
+    times = f"{seconds(own)} / {seconds(whole)} s"
     words = [scene.plate(), scene.impactor(), f"{1e3 * end:g} ms", vectors, *cells, percent(differences["largest tension"]), times]
     print(number, *words, flush=True)
     return words

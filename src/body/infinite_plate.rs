@@ -89,7 +89,7 @@ pub struct InfinitePlate {
 
 /// Coordinates of the waves that the modes of a basis leave out.
 pub struct WavesAbove {
-    /// Modes in closed form, as far as they reach.
+    /// Modes in closed form, up to ω₁.
     pub modes: Vec<Mode>,
     /// Waves of the infinite plate above them.
     pub outgoing: Vec<Mode>,
@@ -184,7 +184,7 @@ impl InfinitePlate {
     /// Returns the frequency up to which modes in closed form follow those of a basis with ω_c (both rad/s).
     fn cutoff_of_closed_form(&self, cutoff: f64) -> f64 {
         let of = |plate: &RectangularPlate| {
-            let largest = LARGEST_OVER_SHEAR / NEGLIGIBLE * plate.waves.thickness_shear();
+            let largest = LARGEST_OVER_SHEAR / NEGLIGIBLE * plate.waves.largest();
             (CLOSED_FORM_OVER_BASIS * cutoff).min(largest).max(cutoff)
         };
         self.rectangle.as_ref().map_or(cutoff, of)

@@ -68,7 +68,9 @@ pub use modes::{Closed, Free, Mode, Modes, Spectrum};
 pub use operators::Body;
 pub use pads::{PadOnSurface, PadPoints, Pads};
 pub use projection::Projection;
-pub use rectangular_plate::{BendingWaves, EdgeSprings, LaminateWave, LayeredWaves, PlateWaves, RectangularPlate};
+pub use rectangular_plate::{
+    BendingWaves, EdgeSprings, LaminateWave, LayeredWaves, PlateWaves, RectangularPlate, Wavenumbers,
+};
 pub use relaxation::{ProjectedRelaxation, Relaxation};
 pub use response::{Directions, Interpolant, Noticeable, Response};
 pub(crate) use shapes::{Forms, Shapes};

@@ -54,7 +54,7 @@ impl ShortWaves {
         })
     }
 
-    /// Multiplies the frequency ω (rad/s) of each mode in closed form by `ratio` of it.
+    /// Multiplies the frequency ω (rad/s) of each mode in closed form by `ratio(ω)`. The modes are those of an elastic plate.
     pub fn retune(&mut self, ratio: impl Fn(f64) -> f64) {
         for mode in &mut self.above.modes {
             let factor = ratio(mode.rate.im);

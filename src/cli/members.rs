@@ -9,7 +9,7 @@ use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, REMEDY_OF_TENSION, Remark, UNESTIMATED_ROTATIONS, USELESS};
+use super::notes::{self, Remark, UNESTIMATED_ROTATIONS, USELESS, remedy_of_tension};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
@@ -28,6 +28,8 @@ pub struct MemberFacts {
     tolerance: f64,
     /// Quantity that the tolerance applies to.
     measure: Measure,
+    /// What may lower a large error of the tension.
+    remedy_of_tension: &'static str,
     /// End of the run, s.
     end: f64,
     edges: Edges,
@@ -43,6 +45,7 @@ impl MemberFacts {
         Self {
             tolerance: scene.tolerance,
             measure: scene.measure,
+            remedy_of_tension: remedy_of_tension(scene),
             may_lack_rotations: scene.basis_may_lack_rotations(),
             end: scene.time.end,
             edges: edges(scene),
@@ -91,8 +94,8 @@ impl Remarks {
     /// member.
     pub fn of_results(writer: &SweepWriter, facts: &[MemberFacts]) -> Self {
         let mut all = Self::default();
-        for (member, MemberFacts { tolerance, measure, may_lack_rotations, end, edges, .. }) in facts.iter().enumerate()
-        {
+        for (member, own) in facts.iter().enumerate() {
+            let MemberFacts { tolerance, measure, remedy_of_tension, may_lack_rotations, end, edges, .. } = own;
             if writer.status()[member] != Status::Done {
                 continue;
             }
@@ -120,7 +123,7 @@ impl Remarks {
             }
             if *measure != Measure::Stress && tension_error > LARGE_ERROR_OF_TENSION.max(*tolerance) {
                 let text = format!(
-                    "the estimated error of the largest tension in the first contact is {}; {REMEDY_OF_TENSION} may lower this error",
+                    "the estimated error of the largest tension in the first contact is {} of its peak; {remedy_of_tension} may lower this error",
                     estimated(tension_error)
                 );
                 all.notes.add(member, remark("error of the tension", tension_error, text));

@@ -56,8 +56,8 @@ pub struct Model {
     pub discretisation: String,
     /// Number of basis vectors, if the body is reduced.
     pub vectors: Option<usize>,
-    /// Whether the basis leaves out short waves, which are computed in closed form.
-    pub leaves_short_waves: bool,
+    /// How the short waves are represented that the basis leaves out; `None` if it has all waves.
+    pub short_waves: Option<ShortWaves>,
     /// The body reduced to another basis, for estimating the error of impacts that differ from the scene's.
     pub judge: Option<JudgeBasis>,
     /// Tolerance of the time steps: the scene's, or half of the theory's error if that is larger.
@@ -76,6 +76,15 @@ pub struct Model {
     pub measures: Option<Measures>,
     /// Whether a second model, on a basis with a low shift for slow vibrations, is possible and cheap.
     pub may_lower_shift: bool,
+}
+
+/// How short waves of a plate are represented that its basis leaves out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShortWaves {
+    /// As waves of an infinite plate, whose echoes are neglected.
+    WithoutEchoes,
+    /// As modes in closed form, with the echoes.
+    WithEchoes,
 }
 
 /// The body on a second basis, with which the error of the first is estimated. Its modes are computed when they are
@@ -182,7 +191,10 @@ impl Model {
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_moved_by_loads) = (projection.vectors(), is_moved_by_loads(&projection, &force.0));
-        let leaves_short_waves = projection.infinite_plate.is_some();
+        let short_waves = projection.infinite_plate.as_ref().map(|plate| match plate.rectangle {
+            Some(_) => ShortWaves::WithEchoes,
+            None => ShortWaves::WithoutEchoes,
+        });
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
             _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.whole(vectors)))?),
@@ -195,17 +207,8 @@ impl Model {
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
         let bare = Self::bare(scene, theory, dynamics, unknowns, discretisation);
-        let model = Self {
-            vectors,
-            leaves_short_waves,
-            judge,
-            known,
-            gauges,
-            measures,
-            is_moved_by_loads,
-            may_lower_shift,
-            ..bare
-        };
+        let model =
+            Self { vectors, short_waves, judge, known, gauges, measures, is_moved_by_loads, may_lower_shift, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some(error) => model.with_error(Cause::Cells, error),
@@ -222,7 +225,7 @@ impl Model {
             unknowns,
             discretisation,
             vectors: None,
-            leaves_short_waves: false,
+            short_waves: None,
             judge: None,
             known: Vec::new(),
             is_moved_by_loads: false,

@@ -3,7 +3,7 @@
 use crate::model::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION};
 use crate::record::provenance::ModelDetails;
 use crate::record::stress::Stresses;
-use crate::scene::{Measure, Model, Scene};
+use crate::scene::{Measure, Model, Reduction, Scene};
 
 use super::data::Data;
 use super::number::percent;
@@ -139,8 +139,10 @@ pub fn stress_error(data: &Data, stresses: &Stresses) -> Estimate {
     } else if is_later {
         Estimate { value: "not estimated".to_owned(), of: "after the first contact".to_owned() }
     } else {
-        let applies = |scene: &Scene| scene.measure != Measure::Stress && error > scene.tolerance;
-        let remedy = match error > LARGE_ERROR_OF_TENSION && data.scene.as_ref().is_ok_and(applies) {
+        let may_help = |scene: &Scene| {
+            scene.measure != Measure::Stress && scene.body.reduction == Reduction::Auto && error > scene.tolerance
+        };
+        let remedy = match error > LARGE_ERROR_OF_TENSION && data.scene.as_ref().is_ok_and(may_help) {
             true => "; accuracy.quantity = \"stress\" may lower it",
             false => "",
         };

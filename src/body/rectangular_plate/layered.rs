@@ -26,24 +26,46 @@ const FASTEST: f64 = 0.9;
 /// Number of entries of the table between which a cubic interpolates.
 const ENTRIES: usize = 4;
 
-/// Wave of a stack of layers with one wavenumber, in coordinates of unit mass.
+/// Matrices of all waves of a stack of layers with one wavenumber, per unit of area. Their amplitudes have any units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaminateWave {
-    /// Stiffness after all relaxation, 1/s².
+    /// Mass matrix M.
+    pub mass: DMatrix<f64>,
+    /// Stiffness K after all relaxation.
     pub stiffness: DMatrix<f64>,
-    /// Stiffness of each viscoelastic part for a unit shear modulus, 1/(Pa s²).
+    /// Stiffness H of each viscoelastic part for a unit shear modulus.
     pub distortions: Vec<DMatrix<f64>>,
-    /// Linear form that reads the displacement under the impactor, 1/√(kg/m²).
+    /// Linear form that reads the displacement under the impactor, m.
     pub reading: RowDVector<f64>,
+}
+
+/// Wavenumbers in equal ratios.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wavenumbers {
+    /// First wavenumber, 1/m.
+    pub first: f64,
+    /// Ratio of successive wavenumbers.
+    pub ratio: f64,
+}
+
+impl Wavenumbers {
+    /// Returns the wavenumber with a number, counted from zero, 1/m.
+    pub fn at(self, number: usize) -> f64 {
+        self.first * self.ratio.powi(number as i32)
+    }
+
+    /// Returns the number of a wavenumber (1/m) as a real number.
+    fn number(self, wavenumber: f64) -> f64 {
+        (wavenumber / self.first).ln() / self.ratio.ln()
+    }
 }
 
 /// Bending waves of a plate of several layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayeredWaves {
-    /// Waves whose wavenumbers grow in equal ratios.
+    /// Matrices of the waves of each wavenumber.
     waves: Rc<[LaminateWave]>,
-    /// Logarithm of the first wavenumber (1/m), and logarithm of the ratio of successive wavenumbers.
-    grid: [f64; 2],
+    wavenumbers: Wavenumbers,
     /// The plies as unbonded plates that deflect together. Their bending stiffness is not used.
     plies: BendingWaves,
     /// Prony series of the viscoelastic parts.
@@ -52,35 +74,34 @@ pub struct LayeredWaves {
     equilibria: Vec<f64>,
     /// Logarithms of the frequencies ω (rad/s) of the first waves, with the moduli of one rate.
     frequencies: Vec<f64>,
-    /// λ/ω: rates of the free vibrations over these frequencies.
+    /// λ/ω of the free vibrations.
     vibrations: Vec<Complex<f64>>,
-    /// Squares of the displacements under the impactor, m²/kg.
-    mobilities: Vec<f64>,
+    /// Squares of the displacements under the impactor for a unit amplitude, m²/kg.
+    squared_displacements: Vec<f64>,
 }
 
 impl LayeredWaves {
-    /// Tabulates the waves with wavenumbers in equal ratios: `first` (1/m), then times `ratio`. `chains` are the Prony
-    /// series of the viscoelastic parts. Frequencies have their moduli at `rate` (1/s). `plies` has the mass, the shear
-    /// stiffness and the rotary inertia of the plies.
+    /// Tabulates the slowest of the waves of each wavenumber. `chains` are the Prony series of the viscoelastic parts. Frequencies
+    /// have their moduli at `rate` (1/s). `plies` has the mass, the shear stiffness and the rotary inertia of the plies.
     ///
-    /// The table ends where the slowest wave is not the one that the impactor excites most, is no faster than the wave before,
-    /// or is nearly as fast as the shear waves of the plies. `None` if it has too few entries.
+    /// The table ends at the first wavenumber at which the slowest wave is not the one that the impactor excites most, is
+    /// no faster than at the wavenumber before, or is nearly as fast as the shear waves of the plies. `None` if it has too few entries.
     pub fn new(
         waves: Vec<LaminateWave>,
-        [first, ratio]: [f64; 2],
+        wavenumbers: Wavenumbers,
         plies: BendingWaves,
         chains: &[&Maxwell],
         rate: f64,
     ) -> Option<Self> {
         let table = Self {
             waves: waves.into(),
-            grid: [first.ln(), ratio.ln()],
+            wavenumbers,
             plies,
             chains: chains.iter().map(|chain| (*chain).clone()).collect(),
             equilibria: chains.iter().map(|chain| chain.equilibrium).collect(),
             frequencies: Vec::new(),
             vibrations: Vec::new(),
-            mobilities: Vec::new(),
+            squared_displacements: Vec::new(),
         };
         table.at_rate(rate)
     }
@@ -98,11 +119,10 @@ impl LayeredWaves {
         };
         let relaxes = self.chains.iter().any(|chain| !chain.terms.is_empty());
         let at_rate = beyond(&|chain| chain.transformed(rate));
-        let [first, ratio] = self.grid;
         let mut entries: Vec<Bending> = Vec::new();
         for (number, wave) in self.waves.iter().enumerate() {
-            let bending = wave.bending(&at_rate);
-            let square = (2.0 * (first + number as f64 * ratio)).exp();
+            let Some(bending) = wave.bending(&at_rate) else { break };
+            let square = self.wavenumbers.at(number).powi(2);
             let is_slow = self.plies.mass * bending.frequency.powi(2) <= FASTEST * self.plies.shear * square;
             let is_faster = entries.last().is_none_or(|before| bending.frequency > before.frequency);
             if !(bending.is_most_excited && is_slow && is_faster) {
@@ -117,7 +137,7 @@ impl LayeredWaves {
             let (mut frequency, mut lost) = (at_rate.frequency, 0.0);
             for _ in 0..if relaxes { MAX_ROUNDS } else { 0 } {
                 let before = frequency;
-                let found = wave.bending(&beyond(&|chain| chain.storage(before)));
+                let Some(found) = wave.bending(&beyond(&|chain| chain.storage(before))) else { break };
                 let losses = self.chains.iter().map(|chain| chain.loss(before));
                 lost = losses.zip(&found.strains).map(|(loss, strain)| loss * strain).sum();
                 frequency = found.frequency;
@@ -131,7 +151,7 @@ impl LayeredWaves {
         Some(Self {
             frequencies: entries.iter().map(|wave| wave.frequency.ln()).collect(),
             vibrations: self.waves.iter().zip(&entries).map(vibration).collect(),
-            mobilities: entries.iter().map(|wave| wave.mobility).collect(),
+            squared_displacements: entries.iter().map(|wave| wave.squared_displacement).collect(),
             ..self.clone()
         })
     }
@@ -152,8 +172,8 @@ impl LayeredWaves {
         weights.iter().zip(&self.frequencies[start..]).map(|(weight, value)| weight * value).sum::<f64>().exp()
     }
 
-    /// Returns the rate of the free vibration with a wavenumber (1/m), 1/s.
-    pub fn rate(&self, wavenumber: f64) -> Complex<f64> {
+    /// Returns the eigenvalue λ of the free vibration with a wavenumber (1/m), 1/s.
+    pub fn eigenvalue(&self, wavenumber: f64) -> Complex<f64> {
         let (start, weights) = self.interpolation(wavenumber);
         let ratio: Complex<f64> =
             weights.iter().zip(&self.vibrations[start..]).map(|(weight, value)| value * *weight).sum();
@@ -161,16 +181,20 @@ impl LayeredWaves {
     }
 
     /// Returns the square of the displacement under the impactor for a unit amplitude of a wave, m²/kg.
-    pub fn mobility(&self, wavenumber: f64) -> f64 {
+    pub fn squared_displacement(&self, wavenumber: f64) -> f64 {
         let (start, weights) = self.interpolation(wavenumber);
-        weights.iter().zip(&self.mobilities[start..]).map(|(weight, value)| weight * value).sum::<f64>().max(0.0)
+        weights
+            .iter()
+            .zip(&self.squared_displacements[start..])
+            .map(|(weight, value)| weight * value)
+            .sum::<f64>()
+            .max(0.0)
     }
 
     /// Returns the first of four entries of the table, and the weights with which they interpolate at a wavenumber (1/m):
     /// cubic between the entries, linear beyond them.
     fn interpolation(&self, wavenumber: f64) -> (usize, [f64; ENTRIES]) {
-        let [first, ratio] = self.grid;
-        let at = (wavenumber.ln() - first) / ratio;
+        let at = self.wavenumbers.number(wavenumber);
         let start = (at - 1.0).floor().clamp(0.0, (self.frequencies.len() - ENTRIES) as f64);
         let x = at - start;
         let weights = match x {
@@ -191,66 +215,84 @@ impl LayeredWaves {
 struct Bending {
     /// Frequency, rad/s.
     frequency: f64,
-    /// Square of the displacement under the impactor, m²/kg.
-    mobility: f64,
-    /// Whether no other wave of the wavenumber has a larger one.
+    /// Square of the displacement under the impactor for a unit amplitude, m²/kg.
+    squared_displacement: f64,
+    /// Whether no other wave of the wavenumber has a larger squared displacement.
     is_most_excited: bool,
     /// yᵀHy of each viscoelastic part, 1/(Pa s²).
     strains: Vec<f64>,
 }
 
 impl LaminateWave {
-    /// The slowest wave, with moduli (Pa) beyond those of the stiffness.
-    fn bending(&self, moduli: &[f64]) -> Bending {
+    /// The slowest wave, with moduli (Pa) beyond those of the stiffness; `None` if the stiffness is not positive definite.
+    ///
+    /// With K = L Lᵀ and y = L⁻ᵀ x, the matrix L⁻¹ M L⁻ᵀ has the eigenvalues 1/ω². Its largest ones belong to the slowest waves, which are therefore
+    /// accurate also beside the shear waves of a layer of some µm, 10⁸ times as fast.
+    fn bending(&self, moduli: &[f64]) -> Option<Bending> {
         let parts = moduli.iter().zip(&self.distortions);
         let stiffness = parts.fold(self.stiffness.clone(), |sum, (modulus, part)| sum + part * *modulus);
-        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(stiffness);
-        let read = &self.reading * &eigenvectors;
-        let squares = read.component_mul(&read);
-        let slowest = eigenvalues.imin();
-        let shape = eigenvectors.column(slowest);
-        Bending {
-            frequency: eigenvalues[slowest].max(0.0).sqrt(),
-            mobility: squares[slowest],
-            is_most_excited: squares[slowest] >= squares.max(),
-            strains: self.distortions.iter().map(|part| shape.dot(&(part * shape))).collect(),
-        }
+        let lower = stiffness.cholesky()?.unpack();
+        let half = lower.solve_lower_triangular(&self.mass)?;
+        let SymmetricEigen { eigenvalues, eigenvectors } =
+            SymmetricEigen::new(lower.solve_lower_triangular(&half.transpose())?);
+        let shapes = lower.tr_solve_lower_triangular(&eigenvectors)?;
+        // yᵀMy = 1. Eigenvalues that are only rounding belong to waves faster than any contact.
+        let square = |wave: usize| (&self.reading * shapes.column(wave))[0].powi(2) / eigenvalues[wave];
+        let slowest = eigenvalues.imax();
+        let squared_displacement = square(slowest);
+        let is_most_excited = (0..eigenvalues.len())
+            .filter(|wave| eigenvalues[*wave] > 0.0)
+            .all(|wave| square(wave) <= squared_displacement);
+        let shape = shapes.column(slowest) / eigenvalues[slowest].sqrt();
+        Some(Bending {
+            frequency: eigenvalues[slowest].sqrt().recip(),
+            squared_displacement,
+            is_most_excited,
+            strains: self.distortions.iter().map(|part| shape.dot(&(part * &shape))).collect(),
+        })
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use nalgebra::dmatrix;
 
     use super::*;
     use crate::material::Term;
 
-    const RATIO: f64 = 1.05;
+    const FROM_ONE: Wavenumbers = Wavenumbers { first: 1.0, ratio: 1.05 };
 
     /// Waves of Mindlin's plate with the deflection and the rotation as amplitudes.
-    fn of_mindlin(waves: BendingWaves, wavenumber: f64) -> LaminateWave {
+    pub fn of_mindlin(waves: BendingWaves, wavenumber: f64) -> LaminateWave {
         let BendingWaves { mass, rigidity, shear, rotary, .. } = waves;
-        let coupled = shear * wavenumber / (mass * rotary).sqrt();
+        let coupled = shear * wavenumber;
         let square = wavenumber * wavenumber;
         LaminateWave {
-            stiffness: dmatrix![shear * square / mass, coupled; coupled, (rigidity * square + shear) / rotary],
+            mass: dmatrix![mass, 0.0; 0.0, rotary],
+            stiffness: dmatrix![shear * square, coupled; coupled, rigidity * square + shear],
             distortions: Vec::new(),
-            reading: RowDVector::from_row_slice(&[mass.sqrt().recip(), 0.0]),
+            reading: RowDVector::from_row_slice(&[1.0, 0.0]),
         }
     }
 
     /// Between and beyond the entries of the table, the waves are those of the plate that it was made from: to 2e-6 in the
-    /// range of the table, whose cubics have an error of (ln 1.05)⁴, and to 1e-3 for longer waves, whose frequency is not exactly a power of the wavenumber.
+    /// range of the table, whose cubics have errors of the order of 0.1 (ln 1.05)⁴, and to 1e-3 for longer waves, whose frequency is not exactly a power of the wavenumber.
     #[test]
     fn a_table_has_the_waves_of_its_plate() {
         let waves = BendingWaves { mass: 20.0, rigidity: 3150.0, shear: 2e8, rotary: 1e-4, poisson: 0.23 };
-        let first = 1.0;
-        let all = (0..140).map(|i| of_mindlin(waves, first * RATIO.powi(i))).collect();
-        let table = LayeredWaves::new(all, [first, RATIO], waves, &[], 1e4).expect("bending waves");
+        let all = (0..140).map(|i| of_mindlin(waves, FROM_ONE.at(i))).collect();
+        let table = LayeredWaves::new(all, FROM_ONE, waves, &[], 1e4).expect("bending waves");
+        // w² over yᵀMy, from the equation of w with θ = t w.
+        let of_deflection = |wavenumber: f64| {
+            let BendingWaves { mass, shear, rotary, .. } = waves;
+            let turned = (mass * waves.frequency(wavenumber).powi(2) / shear - wavenumber * wavenumber) / wavenumber;
+            1.0 / (mass + rotary * turned * turned)
+        };
         for (wavenumber, tolerance) in [(0.3, 1e-3), (1.01, 2e-6), (7.7, 2e-6), (63.0, 2e-6), (400.0, 2e-6)] {
             let off = |found: f64, exact: f64| (found / exact - 1.0).abs();
             assert!(off(table.frequency(wavenumber), waves.frequency(wavenumber)) < tolerance, "{wavenumber}");
-            assert_eq!(table.rate(wavenumber).re, 0.0);
+            assert_eq!(table.eigenvalue(wavenumber).re, 0.0);
+            assert!(off(table.squared_displacement(wavenumber), of_deflection(wavenumber)) < tolerance, "{wavenumber}");
             let near = table.equivalent_mindlin(wavenumber);
             assert!(off(near.frequency(wavenumber), table.frequency(wavenumber)) < 1e-9, "{wavenumber}");
             // The frequency depends little on the bending stiffness where shear dominates.
@@ -264,6 +306,7 @@ mod tests {
     #[test]
     fn a_lossy_wave_decays() {
         let wave = |wavenumber: f64| LaminateWave {
+            mass: dmatrix![1.0],
             stiffness: dmatrix![wavenumber.powi(4)],
             distortions: vec![dmatrix![0.3 * wavenumber.powi(4)]],
             reading: RowDVector::from_row_slice(&[1.0]),
@@ -274,14 +317,13 @@ mod tests {
             terms: vec![Term { modulus, time: 0.1 }, Term { modulus: 0.5 * modulus, time: 1.0 }],
         };
         let known = chain(0.0);
-        let table =
-            LayeredWaves::new((0..20).map(|i| wave(RATIO.powi(i))).collect(), [1.0, RATIO], plies, &[&known], 3.0);
-        let table = table.expect("waves");
-        let wavenumber = RATIO.powi(8);
+        let all = (0..20).map(|i| wave(FROM_ONE.at(i))).collect();
+        let table = LayeredWaves::new(all, FROM_ONE, plies, &[&known], 3.0).expect("waves");
+        let wavenumber = FROM_ONE.at(8);
         let [stiffness, distortion] = [1.0, 0.3].map(|factor| factor * wavenumber.powi(4));
         let error = |modulus: f64| {
             let chain = chain(modulus);
-            let found = table.with_chains(&[&chain], 3.0).expect("waves").rate(wavenumber);
+            let found = table.with_chains(&[&chain], 3.0).expect("waves").eigenvalue(wavenumber);
             let mut rate = found;
             for _ in 0..20 {
                 let [mut value, mut slope] = [rate * rate + stiffness, rate * 2.0];
@@ -299,15 +341,49 @@ mod tests {
         assert!((1.9..2.2).contains(&order) && error(0.4) < 1e-2, "{order} {:e}", error(0.4));
     }
 
-    /// A wave that becomes slower with its wavenumber has no table.
+    /// A table ends before waves that become slower with their wavenumber, that are as fast as the shear waves of the plies, or
+    /// beside which the impactor excites another wave more. Without four waves before them there is no table.
     #[test]
-    fn other_kinds_of_waves_are_refused() {
-        let wave = |i: i32| LaminateWave {
-            stiffness: dmatrix![f64::from(30 - i)],
+    fn other_kinds_of_waves_are_left_out() {
+        let slow = BendingWaves { mass: 1.0, rigidity: 1.0, shear: 1e9, rotary: 1e-9, poisson: 0.2 };
+        // Of the two waves, the second one is faster. Its part of the displacement is `other`.
+        let wave = |square: f64, other: f64| LaminateWave {
+            mass: DMatrix::identity(2, 2),
+            stiffness: dmatrix![square, 0.0; 0.0, 1e6],
             distortions: Vec::new(),
-            reading: RowDVector::from_row_slice(&[1.0]),
+            reading: RowDVector::from_row_slice(&[1.0, other]),
         };
-        let plies = BendingWaves { mass: 1.0, rigidity: 1.0, shear: 1e9, rotary: 1e-9, poisson: 0.2 };
-        assert!(LayeredWaves::new((0..20).map(wave).collect(), [1.0, RATIO], plies, &[], 1.0).is_none());
+        let reaches = |first_odd: usize, odd: LaminateWave, plies: BendingWaves| {
+            let rising = |i: usize| if i < first_odd { wave(FROM_ONE.at(i).powi(4), 0.5) } else { odd.clone() };
+            let table = LayeredWaves::new((0..20).map(rising).collect(), FROM_ONE, plies, &[], 1.0);
+            table.map(|table| (table.largest() - FROM_ONE.at(first_odd - 1).powi(2)).abs() < 1e-9)
+        };
+        let odd = || [wave(0.9, 0.5), wave(1e3, 2.0)];
+        for odd in odd() {
+            assert_eq!(reaches(8, odd, slow), Some(true));
+        }
+        for odd in odd() {
+            assert_eq!(reaches(3, odd, slow), None);
+        }
+        // ω² = ξ⁴ is 0.9 S ξ² at ξ = √(0.9 S).
+        let fast = BendingWaves { shear: FROM_ONE.at(7).powi(2) * 1.02 / FASTEST, ..slow };
+        assert_eq!(reaches(8, wave(FROM_ONE.at(8).powi(4), 0.5), fast), Some(true));
+    }
+
+    /// The slowest wave is accurate beside one that is 10⁸ times as fast. Rounding is 1e-16 of the larger ω² otherwise.
+    #[test]
+    fn a_wave_beside_a_very_fast_one_is_accurate() {
+        let waves = BendingWaves { mass: 20.0, rigidity: 3150.0, shear: 2e8, rotary: 1e-10, poisson: 0.23 };
+        let [exact, fast] = waves.frequencies(4.0);
+        assert!(fast > 1e5 * exact);
+        let mut of_two = of_mindlin(waves, 4.0);
+        // A third amplitude of a layer of 1 µm, coupled weakly.
+        of_two.mass = of_two.mass.insert_column(2, 0.0).insert_row(2, 0.0);
+        of_two.stiffness = of_two.stiffness.insert_column(2, 0.0).insert_row(2, 0.0);
+        of_two.reading = of_two.reading.insert_column(2, 0.0);
+        (of_two.mass[(2, 2)], of_two.stiffness[(2, 2)]) = (1e-16, 1e3);
+        let found = of_two.bending(&[]).expect("a wave");
+        assert!((found.frequency / exact - 1.0).abs() < 1e-9, "{} {exact}", found.frequency);
+        assert!(found.is_most_excited);
     }
 }

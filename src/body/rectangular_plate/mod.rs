@@ -30,7 +30,7 @@ use crate::material::Maxwell;
 use axis::Axis;
 
 pub use edge::EdgeSprings;
-pub use layered::{LaminateWave, LayeredWaves};
+pub use layered::{LaminateWave, LayeredWaves, Wavenumbers};
 pub use waves::{BendingWaves, PlateWaves};
 
 /// Largest number of iterations between both axes for the wavenumbers of a mode, which start from those of its
@@ -63,7 +63,7 @@ pub struct RectangularPlate {
 }
 
 impl RectangularPlate {
-    /// Returns the plate with the waves that `of` makes of those of its layers. `None` if there are none.
+    /// Applies `of` to the waves of the layers. `None` if `of` returns `None`.
     fn with_layered(self, of: impl Fn(&LayeredWaves) -> Option<LayeredWaves>) -> Option<Self> {
         match &self.waves {
             PlateWaves::Mindlin(_) => Some(self),
@@ -185,26 +185,26 @@ impl RectangularPlate {
             if weight < NEGLIGIBLE_WEIGHT {
                 return;
             }
-            // On average, each mode moves a point with 1/area.
+            // Squared displacement on average over the plate.
             let wavenumber = (squares[0] + squares[1]).sqrt();
             let average = match &self.waves {
-                PlateWaves::Mindlin(_) => {
+                PlateWaves::Mindlin(waves) => {
                     // There are area ξ dξ/2π modes in dξ.
-                    let modes_per_frequency = area * wavenumber / (TAU * self.waves.group_velocity(wavenumber));
+                    let modes_per_frequency = area * wavenumber / (TAU * waves.group_velocity(wavenumber));
                     plate.density_at(frequency) / modes_per_frequency
                 }
-                PlateWaves::Layered(waves) => waves.mobility(wavenumber) / area,
+                PlateWaves::Layered(waves) => waves.squared_displacement(wavenumber) / area,
             };
             let shape = area * self.shape(squares);
             if shape >= NEGLIGIBLE_SHAPE {
-                modes.push(vibration(self.waves.rate(wavenumber), (weight * average * shape).sqrt()));
+                modes.push(vibration(self.waves.eigenvalue(wavenumber), (weight * average * shape).sqrt()));
             }
         });
         modes
     }
 }
 
-/// Free vibration of a complex rate (1/s) with an amplitude at the impact point (1/√kg).
+/// Free vibration with the eigenvalue `rate` (1/s) and an amplitude at the impact point (1/√kg).
 fn vibration(rate: Complex<f64>, amplitude: f64) -> Mode {
     Mode {
         rate,
@@ -217,6 +217,7 @@ fn vibration(rate: Complex<f64>, amplitude: f64) -> Mode {
 #[cfg(test)]
 mod tests {
     use super::edge::StandingWave;
+    use super::layered::tests::of_mindlin;
     use super::*;
 
     const THICKNESS: f64 = 0.008;
@@ -365,6 +366,33 @@ mod tests {
             let modes = rectangle.modes(&infinite, end, |_| 1.0);
             let sum: f64 = modes.iter().map(|mode| mode.input.re.powi(2)).sum();
             assert!(modes.len() > 150 && (sum / (density * end) - 1.0).abs() < 0.04, "{} {sum}", modes.len());
+        }
+    }
+
+    /// A table made of the waves of Mindlin's plate has the modes of this plate. Tolerances: the cubics of the table have an
+    /// error of 2e-6, and the amplitude depends on the squared displacement, whose density over ω is interpolated linearly.
+    #[test]
+    fn a_table_has_the_modes_of_its_plate() {
+        let springs = EdgeSprings { deflection: 1e7, rotation: 50.0, twist: 50.0 };
+        let mut mindlin = plate([[CLAMPED; 2], [springs; 2]]);
+        (mindlin.hit, mindlin.is_symmetric) = ([0.4, 0.7], [false; 2]);
+        let waves = bending_waves();
+        let wavenumbers = Wavenumbers { first: 1.0, ratio: 1.05 };
+        let all = (0..140).map(|i| of_mindlin(waves, wavenumbers.at(i))).collect();
+        let table = LayeredWaves::new(all, wavenumbers, waves, &[], 1e4).expect("bending waves");
+        // ν = ξ r²/(2π dω/dξ).
+        let density = (0..4000).map(|i| {
+            let wavenumber = 1.0 + 0.1 * f64::from(i);
+            let of_wave = table.squared_displacement(wavenumber) / waves.group_velocity(wavenumber);
+            (waves.frequency(wavenumber), wavenumber * of_wave / TAU)
+        });
+        let infinite = InfinitePlate::of(density.collect());
+        let layered = RectangularPlate { waves: PlateWaves::Layered(table), ..mindlin.clone() };
+        let [expected, found] = [&mindlin, &layered].map(|plate| plate.modes(&infinite, 4e4, |_| 1.0));
+        assert!(found.len() == expected.len() && found.len() > 100, "{} {}", found.len(), expected.len());
+        for (mode, same) in found.iter().zip(&expected) {
+            assert!((mode.rate / same.rate - 1.0).norm() < 1e-5, "{} {}", mode.rate, same.rate);
+            assert!((mode.input.re / same.input.re - 1.0).abs() < 1e-3, "{}: {} {}", mode.rate, mode.input, same.input);
         }
     }
 }

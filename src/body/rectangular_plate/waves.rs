@@ -39,6 +39,12 @@ impl BendingWaves {
         self.frequencies(wavenumber)[0]
     }
 
+    /// Returns the group velocity dω/dξ at a wavenumber ξ (1/m), m/s.
+    pub fn group_velocity(&self, wavenumber: f64) -> f64 {
+        let [more, less] = [1.0 + STEP, 1.0 - STEP].map(|factor| factor * wavenumber);
+        (self.frequency(more) - self.frequency(less)) / (more - less)
+    }
+
     /// Returns the frequency of the thickness-shear mode, rad/s. Above it, other waves propagate too.
     pub fn thickness_shear(&self) -> f64 {
         (self.shear / self.rotary).sqrt()
@@ -82,25 +88,19 @@ impl PlateWaves {
         }
     }
 
-    /// Returns the rate of the free vibration with a wavenumber (1/m), 1/s.
-    pub fn rate(&self, wavenumber: f64) -> Complex<f64> {
+    /// Returns the eigenvalue λ of the free vibration with a wavenumber (1/m), 1/s.
+    pub fn eigenvalue(&self, wavenumber: f64) -> Complex<f64> {
         match self {
             Self::Mindlin(waves) => Complex::new(0.0, waves.frequency(wavenumber)),
-            Self::Layered(waves) => waves.rate(wavenumber),
+            Self::Layered(waves) => waves.eigenvalue(wavenumber),
         }
     }
 
-    /// Returns the frequency above which other waves within a layer propagate too, rad/s.
-    pub fn thickness_shear(&self) -> f64 {
+    /// Returns the frequency up to which the bending waves are known and other waves within a layer do not propagate, rad/s.
+    pub fn largest(&self) -> f64 {
         match self {
             Self::Mindlin(waves) => waves.thickness_shear(),
             Self::Layered(waves) => waves.largest(),
         }
-    }
-
-    /// Returns the group velocity dω/dξ at a wavenumber ξ (1/m), m/s.
-    pub fn group_velocity(&self, wavenumber: f64) -> f64 {
-        let [more, less] = [1.0 + STEP, 1.0 - STEP].map(|factor| factor * wavenumber);
-        (self.frequency(more) - self.frequency(less)) / (more - less)
     }
 }

@@ -106,7 +106,8 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     let patch = report.model.as_ref().ok().and_then(|model| model.dynamics.patch());
     if let Ok(model) = &report.model {
         report.notes.extend(notes::note_of_measure(model, scene));
-        report.notes.extend(notes::of_tension(&model.error_before_steps(), scene));
+        let is_elsewhere = scene.hit_near_clamped_edge().is_some();
+        report.notes.extend(notes::of_tension(&model.error_before_steps(), scene, is_elsewhere));
         report.notes.extend(notes::of_deflection(&model.error_before_steps(), scene));
         report.warnings.extend(verdict(model, scene).map(|Verdict { message, .. }| message));
         let faces = model.gauges.as_ref().map_or_else(Vec::new, |gauges| gauges.readout.face_names());

@@ -1,7 +1,7 @@
 //! Remarks on estimated errors: of a model before a run, and of a result after it.
 
 use crate::impact::{Cause, ErrorEstimate, beside, estimated};
-use crate::model::{self, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, Model};
+use crate::model::{self, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, Model, ShortWaves};
 use crate::record::stress::LargestTension;
 use crate::scene::{Geometry, Measure, Model as Theory, Reduction, Scene};
 use crate::space::spline;
@@ -17,9 +17,11 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
     }
     if let Some(vectors) = model.vectors {
         words += &format!(", reduced to {}", counted(vectors, "vector"));
-        if model.leaves_short_waves {
-            words += ", shorter waves in closed form";
-        }
+        words += match model.short_waves {
+            None => "",
+            Some(ShortWaves::WithoutEchoes) => ", short waves without echoes",
+            Some(ShortWaves::WithEchoes) => ", echoes of short waves in closed form",
+        };
     }
     if let Some(errors) = model.error.total() {
         let causes = listed(&model.error.causes());
@@ -42,9 +44,6 @@ const GROWTH: f64 = 1.2;
 /// Note on a basis that may lack the rotations of a free body.
 pub const UNESTIMATED_ROTATIONS: &str = "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
                                          accuracy.quantity = \"deflection\" includes them";
-
-/// Key that may lower a large error of the tension.
-pub const REMEDY_OF_TENSION: &str = "accuracy.quantity = \"stress\"";
 
 /// Error in the first contact over the peak, above which a time history is of no use.
 pub const USELESS: f64 = 0.5;
@@ -130,23 +129,26 @@ pub fn of_deflection(estimate: &ErrorEstimate, scene: &Scene) -> Vec<String> {
     notes
 }
 
-/// Note on the tension if its estimated error is large, and the tolerance is smaller and applies to another quantity.
-pub fn of_tension(estimate: &ErrorEstimate, scene: &Scene) -> Option<String> {
-    let error = estimate.of_tension();
-    let applies = match scene.measure {
-        Measure::Acceleration => "acceleration",
-        Measure::Deflection => "deflection",
-        Measure::Stress => return None,
-    };
-    let remedy = match scene.body.reduction {
+/// What may lower a large error of the tension, if the tolerance applies to another quantity.
+pub fn remedy_of_tension(scene: &Scene) -> &'static str {
+    match scene.body.reduction {
         Reduction::Vectors(_) => "body.reduction = \"auto\" in place of a number",
-        _ => REMEDY_OF_TENSION,
-    };
-    (error > LARGE_ERROR_OF_TENSION.max(scene.tolerance)).then(|| {
+        _ => "accuracy.quantity = \"stress\"",
+    }
+}
+
+/// Note on the tension if its estimated error is large, and the tolerance is smaller and applies to another quantity.
+/// If the largest tension has no estimate (`is_elsewhere`), the estimate is for the tension under the impact point.
+pub fn of_tension(estimate: &ErrorEstimate, scene: &Scene, is_elsewhere: bool) -> Option<String> {
+    let error = estimate.of_tension();
+    let does_not_apply = scene.measure != Measure::Stress;
+    (does_not_apply && error > LARGE_ERROR_OF_TENSION.max(scene.tolerance)).then(|| {
+        let which = if is_elsewhere { "tension under the impact point" } else { "largest tension" };
         format!(
-            "the estimated error of the largest tension in the first contact is {}. accuracy.tolerance applies to the {applies} only; \
-             {remedy} may lower this error",
-            estimated(error)
+            "the estimated error of the {which} in the first contact is {} of its peak. accuracy.tolerance does not apply to tensions; \
+             {} may lower this error",
+            estimated(error),
+            remedy_of_tension(scene)
         )
     })
 }
@@ -187,7 +189,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             remedies(&estimate.causes_to_mend(measure, tolerance), scene)
         ));
     }
-    missed.extend(of_tension(estimate, scene));
+    missed.extend(of_tension(estimate, scene, is_for_another_place));
     missed.extend(of_deflection(estimate, scene));
     // The verdict has named an error that hardly grows after the first contact.
     let grows = errors.history > GROWTH * errors.first_contact;
@@ -313,10 +315,10 @@ mod tests {
         let noted = |stress: f64, measure: Measure, tolerance: f64| {
             let errors = Errors { first_contact: 1e-3, history: 1e-3, stress, deflection: 1e-3 };
             let scene = Scene { measure, tolerance, ..pane("") };
-            of_tension(&ErrorEstimate::default().with(Cause::Cells, errors), &scene)
+            of_tension(&ErrorEstimate::default().with(Cause::Cells, errors), &scene, false)
         };
         let text = noted(0.2, Measure::Acceleration, 1e-2).expect("a note");
-        assert!(text.contains("2.0e-1") && text.contains(REMEDY_OF_TENSION), "{text}");
+        assert!(text.contains("2.0e-1") && text.contains("accuracy.quantity"), "{text}");
         assert!(noted(0.2, Measure::Deflection, 1e-2).is_some());
         assert_eq!(noted(0.2, Measure::Stress, 1e-2), None);
         assert_eq!(noted(0.2, Measure::Acceleration, 0.3), None);

@@ -230,7 +230,8 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
                     "the layer that is hit is softer than another, or thin compared with the contact, and Hertz's law of a half-space is \
                      used, with an error that is not estimated: {reason}"
                 );
-                add("soft layer", 1.0, text);
+                // Each reason is a kind of its own in a sweep.
+                add(reason, 1.0, text);
             }
             let of_contact = impactor.radius.map_or(0.0, |radius| (radius * indentation).sqrt());
             if let Some(distance) = scene.distance_to_edge().filter(|distance| *distance < of_contact) {

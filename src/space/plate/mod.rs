@@ -113,10 +113,6 @@ const LEAST_SAVING: usize = 2;
 /// Number of entries from which a matrix counts as larger than the cache.
 const LARGE: usize = 100_000;
 
-/// Rate at which the moduli of viscoelastic layers are taken for short waves, times the contact time on a half-space: the
-/// shift of a basis for a tolerance of 1e-2.
-const RATE_TIMES_CONTACT: f64 = 15.0;
-
 /// Smallest radius of Mindlin's disc divided by the thickness.
 const LEAST_DISC: f64 = 0.5;
 
@@ -300,7 +296,7 @@ impl Plate {
         let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
         let is_known =
             points.laminate.is_none() || settings.separates_short_waves || settings.has_echoes_in_closed_form;
-        let rate = RATE_TIMES_CONTACT / scene.impactor.contact_time();
+        let rate = waves::rate(scene);
         let infinite_plate = is_known.then(|| waves::of_points(&points, &description.relaxations(), rate));
         let system = System {
             mass,

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::body::{
     BendingWaves, EdgeSprings, InfinitePlate, LayeredWaves, ModeCount, PlateWaves, RectangularPlate, VECTORS_PER_MODE,
+    Wavenumbers,
 };
 use crate::contact::zener;
 use crate::description::Description;
@@ -26,27 +27,33 @@ const SHORTEST: f64 = 40.0;
 /// Fraction of the largest modal density below which the density is neglected.
 const NEGLECTED_DENSITY: f64 = 1e-4;
 
+/// Rate at which the moduli of viscoelastic layers are taken for short waves, times the contact time on a half-space: the
+/// shift of a basis for a tolerance of 1e-2.
+const RATE_TIMES_CONTACT: f64 = 15.0;
+
 /// First estimate of the infinite plate's response to a force at a point, by thin-plate theory. A laminate is replaced
-/// by a single layer of its mass, and of its rigidity at the wavelength of the contact.
+/// by a single layer of its mass, and of its rigidity at the wavelength of the contact; only its modes in closed form are
+/// those of its layers.
 ///
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
 pub fn infinite_plate(scene: &Scene, theory: PlateTheory) -> Result<InfinitePlate> {
     let fault = |reason: String| super::fault(theory, &reason);
     let geometry = super::geometry(scene, theory).map_err(fault)?;
-    let laminate = match theory {
-        PlateTheory::Layerwise => {
-            let parts = Description::new(scene).parts;
-            let laminate = Laminate::without_local(scene, &geometry, &parts, &Settings::default());
-            Some(laminate.map_err(fault)?)
-        }
-        _ => None,
-    };
-    let section = match &laminate {
-        Some(laminate) => laminate.section(scene),
-        None => Section::new(geometry.thickness, &scene.body.struck()),
-    };
-    let rectangle = rectangle(scene, &geometry, &section, laminate.as_ref(), theory);
+    if theory != PlateTheory::Layerwise {
+        let section = Section::new(geometry.thickness, &scene.body.struck());
+        let rectangle = rectangle(scene, &geometry, &section, None, theory);
+        return Ok(of_section(&geometry, &section, &WavesOfTheory::Thin).with_echoes(rectangle));
+    }
+    let description = Description::new(scene);
+    let laminate = Laminate::without_local(scene, &geometry, &description.parts, &Settings::default());
+    let laminate = laminate.map_err(fault)?;
+    let section = laminate.section(scene);
+    let rectangle = rectangle(scene, &geometry, &section, Some(&laminate), theory).and_then(|rectangle| {
+        let (relaxations, rate) = (description.relaxations(), rate(scene));
+        let waves = LayerwiseWaves::new(&laminate, &geometry, &relaxations, rate);
+        with_layered_waves(rectangle, &geometry, &section, &waves, &laminate, &relaxations, rate)
+    });
     Ok(of_section(&geometry, &section, &WavesOfTheory::Thin).with_echoes(rectangle))
 }
 
@@ -68,11 +75,7 @@ pub(super) fn of_points(points: &Points, relaxations: &[(&Maxwell, Vec<usize>)],
     };
     let rectangle = rectangle.clone().and_then(|rectangle| match &waves {
         WavesOfTheory::Layerwise(waves) => {
-            let layered = layered_waves(geometry, section, waves, laminate.as_ref()?, relaxations, rate);
-            if layered.is_none() {
-                tracing::debug!("the slowest waves do not bend the laminate: no modes in closed form");
-            }
-            layered.map(|waves| RectangularPlate { waves: PlateWaves::Layered(waves), ..rectangle })
+            with_layered_waves(rectangle, geometry, section, waves, laminate.as_ref()?, relaxations, rate)
         }
         _ => Some(rectangle),
     });
@@ -89,8 +92,8 @@ const LEAST_TOLERANCE: f64 = 4e-3;
 /// in the same time.
 const LEAST_EDGE_STIFFNESS: f64 = 3.0;
 
-/// A scene's plate with the springs along its edges, for the waves of a theory with shear. Those of a laminate are a first
-/// estimate: its layers as one plate, with the bending stiffness for the waves of the contact.
+/// A scene's plate with the springs along its edges, for the waves of a theory with shear. The waves of a laminate
+/// are a first estimate ([`Laminate::plies`]), in whose place [`with_layered_waves`] puts a table.
 ///
 /// `None` if its waves are not computed in closed form. This needs edges that are clamped or on stiff springs, supports
 /// along whole edges only, and no dampers or foundation pads. It also needs a large tolerance, which applies to the
@@ -150,20 +153,30 @@ pub(super) fn rectangle(
     })
 }
 
-/// Table of a laminate's waves, from which its modes in closed form are computed.
-fn layered_waves(
+/// The rate at which viscoelastic layers have their moduli in a scene's waves, 1/s.
+pub(super) fn rate(scene: &Scene) -> f64 {
+    RATE_TIMES_CONTACT / scene.impactor.contact_time()
+}
+
+/// The rectangle with a table of its laminate's waves; `None` if the slowest waves do not bend the laminate.
+fn with_layered_waves(
+    rectangle: RectangularPlate,
     geometry: &PlateGeometry,
     section: &Section,
     waves: &LayerwiseWaves,
     laminate: &Laminate,
     relaxations: &[(&Maxwell, Vec<usize>)],
     rate: f64,
-) -> Option<LayeredWaves> {
-    let first = first_wavenumber(section);
-    let excited = (0..).map(|i| first * STEP.powi(i)).take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
-    let of_layers = excited.map(|wavenumber| waves.with_parts(wavenumber, geometry.multiplicity()));
+) -> Option<RectangularPlate> {
+    let wavenumbers = Wavenumbers { first: first_wavenumber(section), ratio: STEP };
+    let excited = (0..).map(|i| wavenumbers.at(i)).take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
+    let of_layers = excited.map(|wavenumber| waves.matrices(wavenumber, geometry.multiplicity()));
     let chains: Vec<&Maxwell> = relaxations.iter().map(|(chain, _)| *chain).collect();
-    LayeredWaves::new(of_layers.collect(), [first, STEP], laminate.plies(section), &chains, rate)
+    let layered = LayeredWaves::new(of_layers.collect(), wavenumbers, laminate.plies(section), &chains, rate);
+    if layered.is_none() {
+        tracing::debug!("the slowest waves do not bend the laminate: no modes in closed form");
+    }
+    layered.map(|waves| RectangularPlate { waves: PlateWaves::Layered(waves), ..rectangle })
 }
 
 /// Bending waves of a section with a shear factor κ.

@@ -75,18 +75,16 @@ impl<'a> LayerwiseWaves<'a> {
         waves
     }
 
-    /// The wave of a wavenumber ξ (1/m) with its viscoelastic parts apart. `multiplicity` is the number of modelled parts
-    /// in the whole plate.
-    pub fn with_parts(&self, wavenumber: f64, multiplicity: f64) -> LaminateWave {
-        let lower = self.symbol(&self.forms[1], wavenumber).cholesky().expect("all layers have mass").l();
-        let solve = |rows: &DMatrix<f64>| lower.solve_lower_triangular(rows).expect("a factor has no zeros");
-        let reduced = |forms: &[Square<2>]| solve(&solve(&self.symbol(forms, wavenumber)).transpose());
+    /// The matrices of a wavenumber ξ (1/m), with one stiffness for each viscoelastic part. `multiplicity` is the number of
+    /// modelled parts in the whole plate.
+    pub fn matrices(&self, wavenumber: f64, multiplicity: f64) -> LaminateWave {
+        let symbol = |forms: &[Square<2>]| self.symbol(forms, wavenumber);
         let read = self.row(self.reading.iter().copied(), wavenumber).map(|value| value.re);
-        let read = lower.solve_lower_triangular(&read).expect("a factor has no zeros");
         let spread = self.laminate.spread.transform(wavenumber * self.laminate.radius);
         LaminateWave {
-            stiffness: reduced(&self.relaxed),
-            distortions: self.distortions.iter().map(|forms| reduced(forms)).collect(),
+            mass: symbol(&self.forms[1]),
+            stiffness: symbol(&self.relaxed),
+            distortions: self.distortions.iter().map(|forms| symbol(forms)).collect(),
             reading: read.transpose() * (multiplicity.sqrt() * spread),
         }
     }
