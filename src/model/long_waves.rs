@@ -26,6 +26,10 @@ const RESOLVED_OVER_BASIS_BETWEEN_CORNERS: f64 = 2.8;
 /// needs three times as many vectors.
 const SHORT_WAVES_APART: usize = 100;
 
+/// The same for a laminate, whose modes take longer to compute. Measured on eight laminates that need 40 to 100 vectors: six times as fast to 0.8 times
+/// as fast, with errors of 0.3 to 0.75 of their estimates. On three that need 20 to 40, up to 0.85.
+const SHORT_WAVES_APART_IN_LAMINATE: usize = 40;
+
 /// The long waves that a basis resolves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LongWaves {
@@ -49,7 +53,11 @@ impl LongWaves {
         let frequency =
             TAU * FREQUENCY_TIMES_RISE * of_error / plate.rise(scene.impactor.stiffness, scene.impactor.speed);
         let all = plate.clone().with_echoes(None).vectors(frequency);
-        if all < SHORT_WAVES_APART || plate.is_near_edge(frequency) {
+        let least = match scene.body.composition.uniform() {
+            Some(_) => SHORT_WAVES_APART,
+            None => SHORT_WAVES_APART_IN_LAMINATE,
+        };
+        if all < least || plate.is_near_edge(frequency) {
             return None;
         }
         let over_basis = match &plate.rectangle {
