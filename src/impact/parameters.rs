@@ -96,8 +96,8 @@ impl ImpactParameters {
             let (what, remedy) = match self.has_law_of_layers {
                 true => (
                     "the contact law of the layers",
-                    "A larger contact.disc_radius, up to the distance to the edge, moves this end, but errors by waves under the disc are not \
-                     estimated; or reduce the mass or the speed",
+                    "With a larger contact.disc_radius, up to the distance to the edge, the law reaches further, but the errors by waves under the \
+                     disc are not estimated. Or reduce the mass or the speed",
                 ),
                 false => ("contact.table", "The table has to go on, or the impactor has to be lighter or slower"),
             };

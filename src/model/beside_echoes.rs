@@ -20,8 +20,8 @@ use super::watch::{Judged, Watch};
 /// difference is above 1e-3 of the peak: 0.1 to 0.65. An estimate.
 const ERROR_OVER_DIFFERENCE: f64 = 0.85;
 
-/// The same on laminates. With 0.85, the error of twenty laminates was 0.1 to 1.0 of the estimated error of basis and cells.
-/// On one with a long contact it was 1.3 of it, with the error of the reference. An estimate.
+/// The same on laminates. With 0.85, the error was 0.1 to 1.0 times the estimated error of basis and cells on twenty laminates. On
+/// one with a long contact it was 1.3 times it, which includes the error of the reference. An estimate.
 const LAMINATE_ERROR_OVER_DIFFERENCE: f64 = 1.3;
 
 /// The same after the first contact: errors of earlier contacts add to those of later ones. Measured on eleven panes

@@ -28,8 +28,8 @@ const LONG_WAVE_CELL_FACTOR: f64 = 1.3;
 const CLOSED_FORM_CELL_FACTOR: f64 = 1.3;
 
 /// Closed forms are used for a laminate if its basis would otherwise need at least this many vectors. On four laminates of
-/// 0.3 to 0.6 m with 130 to 260 vectors, closed forms took a quarter to a half of the time, a few seconds. But the largest
-/// tension had errors up to 4.7% in place of 0.7%, because a basis with closed forms lacks short waves.
+/// 0.3 to 0.6 m with 130 to 260 vectors, runs with closed forms took 0.25 to 0.5 times as long as the others, which took a few
+/// seconds. But the largest tension had errors up to 4.7%, without closed forms 0.7%, because a basis with closed forms lacks short waves.
 const LEAST_VECTORS_OF_LAMINATE: usize = 300;
 
 /// Time in which a solid of splines is assembled and factorised, per unknown, s. Measured with 7,000 to 29,000 unknowns
@@ -253,10 +253,10 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
         let planned = |plate: &InfinitePlate| LongWaves::of(scene, plate, most);
         let without_echoes = planned(&plate.clone().with_echoes(None));
         tracing::debug!(vectors = without_echoes.map(|waves| waves.vectors), "long waves");
-        // A short basis of a laminate resolves its echoes: its stresses are then more accurate.
+        // A short basis of a laminate does without closed forms: its stresses are then more accurate.
         let is_short = |waves: &LongWaves| waves.vectors < LEAST_VECTORS_OF_LAMINATE;
-        let resolves_echoes = theory == PlateTheory::Layerwise && without_echoes.as_ref().is_some_and(is_short);
-        if !resolves_echoes && planned(&plate).is_some_and(|waves| plate.has_echoes_above(waves.frequency)) {
+        let is_basis_short = theory == PlateTheory::Layerwise && without_echoes.as_ref().is_some_and(is_short);
+        if !is_basis_short && planned(&plate).is_some_and(|waves| plate.has_echoes_above(waves.frequency)) {
             settings.largest_cell_factor = LONG_WAVE_CELL_FACTOR * CLOSED_FORM_CELL_FACTOR;
             settings.has_echoes_in_closed_form = true;
         } else if without_echoes.is_some() {

@@ -172,7 +172,7 @@ fn law(impactor: &Impactor) -> String {
     };
     let law = match impactor.layered_contact() {
         Some(_) => format!(
-            "{law}, on plates and on spline solids without contact.patch_radius the law of a sphere on the layers"
+            "{law}; plates, and spline solids without contact.patch_radius, use the law of a sphere on the layers instead"
         ),
         None => law,
     };

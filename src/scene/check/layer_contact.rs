@@ -22,10 +22,10 @@ const SOFT_ON_SOFTER: f64 = 0.5;
 const ALIKE: f64 = 0.01;
 
 /// Largest contact radius by Hertz's law, over the thickness of a stiff impacted layer, for which it counts as a half-space. At this
-/// ratio the force was wrong by 0.3 to 0.4%; the error grows with the ratio, to a factor of two on 10 µm of ceramic on glass.
+/// ratio the force was wrong by 0.3 to 0.4%; the error grows with the ratio: a factor of two on 10 µm of ceramic on glass, and of six on 1 µm.
 const WIDEST_HERTZIAN: f64 = 0.3;
 
-/// Largest ξH of the longest wave, H the thickness of the stack. It is otherwise the longest wave on the body.
+/// Upper limit of ξH where the integral over wavenumbers ξ begins, H the thickness of the stack. On larger bodies it begins at the longest wave on the body.
 const LONGEST_WAVE: f64 = 0.05;
 
 /// Radii of the disc that are tried under a soft layer, over the thickness of the stack. The first one is enough for layers such as
@@ -33,10 +33,13 @@ const LONGEST_WAVE: f64 = 0.05;
 /// ply does, so that the disc may be wider than under a ply.
 const DISCS_UNDER_SOFT: [f64; 5] = [3.0, 4.5, 7.0, 10.0, 15.0];
 
-/// First radius under a stiff layer, which may bend separately, over its thickness; its least thickness, over that of the stack; and
-/// the ratio of one radius to the one before.
+/// First radius under a stiff layer, which may bend separately, over its thickness.
 const DISC_OVER_STIFF: f64 = 2.0;
+
+/// Least thickness of a stiff layer for that radius, over the thickness of the stack.
 const LEAST_STIFF: f64 = 0.125;
+
+/// Ratio of a radius under a stiff layer to the one tried before.
 const DISC_GROWTH: f64 = 1.5;
 
 /// Largest product of the disc's radius and the wavenumber of flexural waves at the frequency π/T, T the duration of a contact with
@@ -70,7 +73,7 @@ pub(super) fn law(
     if !is_normal || contact == Contact::Point {
         return LayerEffect::Negligible;
     }
-    // From the layer that is hit on.
+    // Ordered from the layer that is hit.
     let moduli = |time: f64| -> Vec<Layer> {
         let of_layer = |layer: &Given| {
             let material = layer.material.at(time);
@@ -142,8 +145,8 @@ pub(super) fn law(
         // A stiff layer has Hertz's law rather than one that ends before the first peak.
         if !is_soft && !is_enough(&contact.on_disc(disc)) {
             return Err(
-                "the law of a sphere on the layers ends before the peak force, on each disc that is narrower than the waves of the contact and the \
-                 distance to the edge, or on the given one",
+                "the law of a sphere on the layers does not reach the peak force on any disc that is narrower than the waves of the contact and \
+                 than the distance to the edge, or on the disc of contact.disc_radius",
             );
         }
         let law = SphereOnStack::new(&stack, sphere, longest, energy).on_disc(disc);

@@ -211,8 +211,8 @@ impl Laminate {
     }
 
     /// The plies as unbonded plates that deflect together, with the bending stiffness of a section. Plies are stiff layers;
-    /// those that touch are one ply. The rotary inertia is that with which the plate has the lowest thickness-shear frequency
-    /// of its plies.
+    /// those that touch are one ply. The rotary inertia is chosen so that the thickness-shear frequency is
+    /// the lowest one of the plies.
     pub(super) fn plies(&self, section: &Section) -> BendingWaves {
         let layers = self.theory.stack().layers();
         let stiffest = layers.iter().map(|layer| layer.young).fold(0.0, f64::max);
