@@ -90,7 +90,8 @@ impl Remarks {
         notes::notes(scene, None, plan.as_ref()).into_iter().for_each(|remark| self.notes.add(member, remark));
     }
 
-    /// Remarks that a run would print about its results, for all members that are done. `facts` has an entry for each
+    /// Remarks that a run would print about its results, for all members that are done. (A tension under the impact point that is not the
+    /// largest has no estimate in a sweep.) `facts` has an entry for each
     /// member.
     pub fn of_results(writer: &SweepWriter, facts: &[MemberFacts]) -> Self {
         let mut all = Self::default();

@@ -248,7 +248,7 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
         if theory == PlateTheory::Layerwise && !may_leave_short_waves(scene) {
             return Ok(settings);
         }
-        let plate = plate::infinite_plate(scene, theory)?;
+        let plate = plate::infinite_plate(scene, theory, &settings)?;
         let most = MAX_VECTORS_PER_CLASS * plate::classes_of_motions(scene, theory)?;
         let planned = |plate: &InfinitePlate| LongWaves::of(scene, plate, most);
         let without_echoes = planned(&plate.clone().with_echoes(None));

@@ -170,15 +170,15 @@ fn law(impactor: &Impactor) -> String {
             format!("force by a table of {} points up to {} m", table.points().len(), short(table.end()))
         }
     };
-    let law = match impactor.layered_contact() {
+    let law = match impactor.damping {
+        0.0 => law,
+        damping => format!("{law}, damping {damping} s/m"),
+    };
+    match impactor.layered_contact() {
         Some(_) => format!(
             "{law}; plates, and spline solids without contact.patch_radius, use the law of a sphere on the layers instead"
         ),
         None => law,
-    };
-    match impactor.damping {
-        0.0 => law,
-        damping => format!("{law}, damping {damping} s/m"),
     }
 }
 

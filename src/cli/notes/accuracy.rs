@@ -19,8 +19,8 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
         words += &format!(", reduced to {}", counted(vectors, "vector"));
         words += match model.short_waves {
             None => "",
-            Some(ShortWaves::WithoutEchoes) => ", short waves without echoes",
-            Some(ShortWaves::WithEchoes) => ", echoes of short waves in closed form",
+            Some(ShortWaves::WithoutEchoes) => ", short waves as on an infinite plate",
+            Some(ShortWaves::WithEchoes) => ", short waves and their echoes in closed form",
         };
     }
     if let Some(errors) = model.error.total() {
@@ -132,7 +132,7 @@ pub fn of_deflection(estimate: &ErrorEstimate, scene: &Scene) -> Vec<String> {
 /// What may lower a large error of the tension, if the tolerance applies to another quantity.
 pub fn remedy_of_tension(scene: &Scene) -> &'static str {
     match scene.body.reduction {
-        Reduction::Vectors(_) => "body.reduction = \"auto\" in place of a number",
+        Reduction::Vectors(_) => "accuracy.quantity = \"stress\" with body.reduction = \"auto\" in place of a number",
         _ => "accuracy.quantity = \"stress\"",
     }
 }
@@ -312,14 +312,18 @@ mod tests {
     /// A large error of the tension is noted only if the tolerance is smaller and applies to another quantity.
     #[test]
     fn a_large_error_of_the_tension_is_noted() {
-        let noted = |stress: f64, measure: Measure, tolerance: f64| {
+        let estimate = |stress: f64| {
             let errors = Errors { first_contact: 1e-3, history: 1e-3, stress, deflection: 1e-3 };
-            let scene = Scene { measure, tolerance, ..pane("") };
-            of_tension(&ErrorEstimate::default().with(Cause::Cells, errors), &scene, false)
+            ErrorEstimate::default().with(Cause::Cells, errors)
+        };
+        let noted = |stress: f64, measure: Measure, tolerance: f64| {
+            of_tension(&estimate(stress), &Scene { measure, tolerance, ..pane("") }, false)
         };
         let text = noted(0.2, Measure::Acceleration, 1e-2).expect("a note");
         assert!(text.contains("2.0e-1") && text.contains("accuracy.quantity"), "{text}");
         assert!(noted(0.2, Measure::Deflection, 1e-2).is_some());
+        let text = of_tension(&estimate(0.2), &pane("[body]\nreduction = 20\n"), true).expect("a note");
+        assert!(text.contains("under the impact point") && text.contains("body.reduction"), "{text}");
         assert_eq!(noted(0.2, Measure::Stress, 1e-2), None);
         assert_eq!(noted(0.2, Measure::Acceleration, 0.3), None);
         assert_eq!(noted(0.09, Measure::Acceleration, 1e-2), None);

@@ -145,8 +145,8 @@ pub(super) fn law(
         // A stiff layer has Hertz's law rather than one that ends before the first peak.
         if !is_soft && !is_enough(&contact.on_disc(disc)) {
             return Err(
-                "the law of a sphere on the layers does not reach the peak force on any disc that is narrower than the waves of the contact and \
-                 than the distance to the edge, or on the disc of contact.disc_radius",
+                "no allowed radius of the disc lets the law of a sphere on the layers reach the peak force with a margin (the disc must be \
+                 small compared with the waves, and must not reach an edge; contact.disc_radius gives another radius)",
             );
         }
         let law = SphereOnStack::new(&stack, sphere, longest, energy).on_disc(disc);

@@ -37,7 +37,7 @@ const RATE_TIMES_CONTACT: f64 = 15.0;
 ///
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
-pub fn infinite_plate(scene: &Scene, theory: PlateTheory) -> Result<InfinitePlate> {
+pub fn infinite_plate(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<InfinitePlate> {
     let fault = |reason: String| super::fault(theory, &reason);
     let geometry = super::geometry(scene, theory).map_err(fault)?;
     if theory != PlateTheory::Layerwise {
@@ -46,7 +46,7 @@ pub fn infinite_plate(scene: &Scene, theory: PlateTheory) -> Result<InfinitePlat
         return Ok(of_section(&geometry, &section, &WavesOfTheory::Thin).with_echoes(rectangle));
     }
     let description = Description::new(scene);
-    let laminate = Laminate::without_local(scene, &geometry, &description.parts, &Settings::default());
+    let laminate = Laminate::without_local(scene, &geometry, &description.parts, settings);
     let laminate = laminate.map_err(fault)?;
     let section = laminate.section(scene);
     let rectangle = rectangle(scene, &geometry, &section, Some(&laminate), theory).and_then(|rectangle| {
@@ -92,8 +92,8 @@ const LEAST_TOLERANCE: f64 = 4e-3;
 /// in the same time.
 const LEAST_EDGE_STIFFNESS: f64 = 3.0;
 
-/// A scene's plate with the springs along its edges, for the waves of a theory with shear. The waves of a laminate
-/// are a first estimate ([`Laminate::plies`]), in whose place [`with_layered_waves`] puts a table.
+/// A scene's plate with the springs along its edges, for the waves of a theory with shear. For a laminate, the waves
+/// are those of its plies ([`Laminate::plies`]), which [`with_layered_waves`] replaces by a table.
 ///
 /// `None` if its waves are not computed in closed form. This needs edges that are clamped or on stiff springs, supports
 /// along whole edges only, and no dampers or foundation pads. It also needs a large tolerance, which applies to the
@@ -158,7 +158,7 @@ pub(super) fn rate(scene: &Scene) -> f64 {
     RATE_TIMES_CONTACT / scene.impactor.contact_time()
 }
 
-/// The rectangle with a table of its laminate's waves; `None` if the slowest waves do not bend the laminate.
+/// The rectangle with a table of its laminate's waves; `None` if the table would have too few entries.
 fn with_layered_waves(
     rectangle: RectangularPlate,
     geometry: &PlateGeometry,
@@ -347,7 +347,7 @@ mod tests {
             let of_body = "[body]\nsize = [1.0, 1.5, 0.008]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n";
             let rest = "[impactor]\nmass = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n[time]\nend = 1e-3\n";
             let scene = Scene::parse("test", &format!("{of_body}{rest}{text}"), &[]).expect("a scene").0;
-            infinite_plate(&scene, PlateTheory::Mindlin).expect("a plate").rectangle.is_some()
+            infinite_plate(&scene, PlateTheory::Mindlin, &Settings::default()).expect("a plate").rectangle.is_some()
         };
         let support = |keys: &str| is_known(&format!("[[support]]\nsurface = \"side\"\n{keys}"));
         assert!(!is_known(""));
