@@ -94,7 +94,7 @@ pub(super) fn outline(source: &Source, raw: &raw::Body, folder: &Path) -> Result
         (Some(size), None) => {
             let size = edges(source, raw, *size)?;
             for edge in size {
-                source.positive("body.size", edge, "three edge lengths [x, y, z] in m")?;
+                source.positive("body.size", edge, "edge lengths in m: three, or two with [[body.layer]]")?;
             }
             Ok(Outline::Box(size))
         }
