@@ -26,8 +26,8 @@ const RESOLVED_OVER_BASIS_BETWEEN_CORNERS: f64 = 2.8;
 /// needs three times as many vectors.
 const SHORT_WAVES_APART: usize = 100;
 
-/// The same for a laminate, whose modes take longer to compute. On eight laminates that need 40 to 100 vectors, the
-/// speed-up was 0.8 to 6, and the errors were 0.3 to 0.75 of their estimates. On three that need 20 to 40 vectors, the errors were up to
+/// The same for a laminate, whose modes take longer to compute. On nine laminates that need 40 to 100 vectors, the
+/// speed-up was 0.8 to 6, and the errors were 0.3 to 0.75 of their estimates. On six that need 20 to 40 vectors, the errors were up to
 /// 0.85 of their estimates.
 const SHORT_WAVES_APART_IN_LAMINATE: usize = 40;
 

@@ -84,7 +84,7 @@ impl LayeredWaves {
     /// Tabulates the slowest of the waves of each wavenumber. `chains` are the Prony series of the viscoelastic parts. Frequencies
     /// have their moduli at `rate` (1/s). `plies` has the mass, the shear stiffness and the rotary inertia of the plies.
     ///
-    /// The table ends at the first wavenumber at which the slowest wave is not the one that the impactor excites most, is
+    /// The table ends before the first wavenumber at which the slowest wave is not the one that the impactor excites most, is
     /// no faster than at the wavenumber before, or is nearly as fast as the shear waves of the plies. `None` if it has too few entries.
     pub fn new(
         waves: Vec<LaminateWave>,
