@@ -84,14 +84,15 @@ struct OfStep<'a, F> {
 pub struct Searched {
     /// Largest tension on each face, step by step.
     pub steps: Vec<Vec<FaceTension>>,
-    /// Largest tensions over the steps, for each face.
+    /// Largest tensions over the steps, for each face; none if only the largest of all steps was searched.
     peaks: Vec<Peaks>,
     /// Number of points of each face.
     counts: Vec<usize>,
 }
 
 impl Searched {
-    /// Largest tension over all steps at each point; `times` are the times of the steps, s.
+    /// Largest tension over all steps at each point; empty if only the largest of all points was searched. `times` are
+    /// the times of the steps, s.
     pub fn map(&self, times: &[f64]) -> TensionMap {
         let (mut tension, mut time) = (Vec::new(), Vec::new());
         for (peaks, &count) in self.peaks.iter().zip(&self.counts) {
@@ -276,6 +277,7 @@ struct Finding<'a> {
     search: &'a TensionSearch<'a>,
     contacts: &'a [ContactNow],
     steps: Vec<Vec<FaceTension>>,
+    /// Largest tensions over the steps, for each face; none if only the largest of all steps is needed.
     peaks: Vec<Peaks>,
     seen: Seen,
     /// Smallest tension of interest, Pa, if only the largest of all steps is needed; and the largest tension so far.
@@ -285,7 +287,8 @@ struct Finding<'a> {
 
 impl<'a> Finding<'a> {
     fn new(search: &'a TensionSearch<'a>, contacts: &'a [ContactNow], least: Option<f64>) -> Self {
-        let peaks = search.faces.faces.iter().map(|face| Peaks::new(face.points.len())).collect();
+        let faces = search.faces.faces.iter().filter(|_| least.is_none());
+        let peaks = faces.map(|face| Peaks::new(face.points.len())).collect();
         Self {
             search,
             contacts,
@@ -308,9 +311,11 @@ impl<'a> Finding<'a> {
         let OfStep { column, size, products, largest: bound_of_stresses, at } = of_step;
         let (contact, number) = (&contacts[steps.len()], steps.len() as u32);
         seen.take(column);
-        let faces = search.faces.faces.iter().zip(&search.local).zip(peaks);
-        let each = faces.map(|((face, local), peaks)| {
-            seen.look((face, local), (column, *size), contact, Wanted::Peaks(peaks));
+        let faces = search.faces.faces.iter().zip(&search.local).enumerate();
+        let each = faces.map(|(place, (face, local))| {
+            let mut peaks = peaks.get_mut(place);
+            let wanted = peaks.as_deref().map_or(Wanted::Largest, Wanted::Peaks);
+            seen.look((face, local), (column, *size), contact, wanted);
             // If all points are in compression, this gives no limit for the tension between points.
             let is_small = |least: f64| seen.top > 0.0 && LIFTED * f64::from(seen.top) * size < largest.min(least);
             if *size > f64::MIN_POSITIVE && least.is_some_and(is_small) {
@@ -321,18 +326,24 @@ impl<'a> Finding<'a> {
                 false => face.value(point, at, contact),
             };
             let (alike, found) = if *size > f64::MIN_POSITIVE && seen.top.is_finite() {
-                peaks.take(&seen.values, *size as f32, number);
+                if let Some(peaks) = &mut peaks {
+                    peaks.take(&seen.values, *size as f32, number);
+                }
                 let bound = search.bound(seen.top, *products, *bound_of_stresses);
                 // Points that are left out have no tension.
                 face.largest(seen.from(seen.top - bound), value)
             } else {
                 // If the size is zero, as at rest, single precision gives no information.
                 let values: Vec<f64> = (0..face.points.len()).map(value).collect();
-                values.iter().enumerate().for_each(|(point, value)| peaks.raise(point, *value as f32, number));
+                if let Some(peaks) = &mut peaks {
+                    values.iter().enumerate().for_each(|(point, value)| peaks.raise(point, *value as f32, number));
+                }
                 face.largest(face.read_points(), |point| values[point])
             };
             // Points that mirror each other keep equal values.
-            alike.into_iter().for_each(|point| peaks.raise(point, found.largest as f32, number));
+            if let Some(peaks) = &mut peaks {
+                alike.into_iter().for_each(|point| peaks.raise(point, found.largest as f32, number));
+            }
             *largest = largest.max(found.largest);
             found
         });

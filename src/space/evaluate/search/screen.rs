@@ -2,9 +2,9 @@
 //! points.
 //!
 //! Steps are short because of the contact force, which varies faster in time than the body. Points are closer than the
-//! wavelengths, except near the impact point. So the tensions are first evaluated at every few steps on every other
-//! line of a face. All points are then searched only in the steps between two such steps, if one of these is near the
-//! highest tension.
+//! wavelengths, except near the impact point. So the tensions are first evaluated at every few steps, and where the
+//! contact force is largest, on every other line of a face. All points are then searched only in the steps between two
+//! such steps, if one of these is near the highest tension.
 
 use super::local::LocalRows;
 use super::rows::StressRows;
@@ -12,7 +12,7 @@ use super::seen::{Seen, Wanted};
 use super::{BLOCK, ContactNow, Coordinates};
 use crate::space::evaluate::Face;
 
-/// Interval of steps at which tensions are evaluated.
+/// Interval of steps at which tensions are evaluated, except where they are low at every other of these steps.
 const STRIDE: usize = 4;
 
 /// Assumed upper limit of the ratio of a tension to the tensions at the neighbouring steps and points. An estimate.
@@ -74,12 +74,41 @@ impl Screen {
             return None;
         }
         let last = contacts.len() - 1;
-        let looked_at: Vec<usize> = (0..last).step_by(STRIDE).chain([last]).collect();
+        let is_of_largest_force = |step: usize| {
+            let [before, now, after] = [step.saturating_sub(1), step, last.min(step + 1)].map(|at| contacts[at].force);
+            now > 0.0 && now >= before && now >= after
+        };
+        let is_in_coarse =
+            |step: &usize| step.is_multiple_of(2 * STRIDE) || *step == last || is_of_largest_force(*step);
+        let coarse: Vec<usize> = (0..=last).filter(is_in_coarse).collect();
+        let mut looked_at = self.tops(&coarse, coordinates, contacts)?;
+        // Twice the interval has the factor twice.
+        let high = intervals(&looked_at, level_of(&looked_at, least) / BETWEEN)
+            .filter(|ends| ends[1].step - ends[0].step > STRIDE);
+        let middles: Vec<usize> = high.map(|ends| ends[0].step + STRIDE).collect();
+        looked_at.extend(self.tops(&middles, coordinates, contacts)?);
+        looked_at.sort_unstable_by_key(|of_step| of_step.step);
+        let mut high: Vec<usize> =
+            intervals(&looked_at, level_of(&looked_at, least)).flat_map(|ends| ends[0].step..=ends[1].step).collect();
+        high.dedup();
+        let points = self.rows.points();
+        tracing::debug!(
+            steps = contacts.len(),
+            coordinates = self.rows.count,
+            points,
+            searched = high.len(),
+            "tensions"
+        );
+        Some(high)
+    }
+
+    /// Largest tension at each of some steps; `None` if one of them is not finite.
+    fn tops(&self, steps: &[usize], coordinates: Coordinates, contacts: &[ContactNow]) -> Option<Vec<Top>> {
         let count = self.rows.count;
-        let of_steps = coordinates.of(&looked_at, count);
-        let (mut seen, mut tops) = (Seen::default(), Vec::with_capacity(looked_at.len()));
+        let of_steps = coordinates.of(steps, count);
+        let (mut seen, mut tops) = (Seen::default(), Vec::with_capacity(steps.len()));
         let mut columns = Vec::new();
-        for (steps, coordinates) in looked_at.chunks(BLOCK).zip(of_steps.chunks(BLOCK * count)) {
+        for (steps, coordinates) in steps.chunks(BLOCK).zip(of_steps.chunks(BLOCK * count)) {
             let sizes = self.rows.of_steps(coordinates, &mut columns);
             for ((&step, size), column) in steps.iter().zip(sizes).zip(columns.chunks_exact(3 * self.rows.points())) {
                 seen.take(column);
@@ -89,20 +118,27 @@ impl Screen {
                 });
                 // If the size is zero, as at rest, single precision gives no information.
                 let top = faces.fold(f64::NEG_INFINITY, f64::max);
-                tops.push(if size > f64::MIN_POSITIVE { top } else { 0.0 });
+                tops.push(Top { step, top: if size > f64::MIN_POSITIVE { top } else { 0.0 } });
             }
         }
-        if tops.iter().any(|top| !top.is_finite()) {
-            return None;
-        }
-        let level = tops.iter().copied().fold(0.0, f64::max).min(least) / BETWEEN;
-        let between = looked_at.windows(2).zip(tops.windows(2)).filter(|(_, tops)| tops[0].max(tops[1]) >= level);
-        let mut high: Vec<usize> = between.flat_map(|(steps, _)| steps[0]..=steps[1]).collect();
-        high.dedup();
-        let points = self.rows.points();
-        tracing::debug!(steps = contacts.len(), coordinates = count, points, searched = high.len(), "tensions");
-        Some(high)
+        tops.iter().all(|of_step| of_step.top.is_finite()).then_some(tops)
     }
+}
+
+/// Largest tension at a step, Pa.
+struct Top {
+    step: usize,
+    top: f64,
+}
+
+/// Tension at a step below which those at its neighbours are below both the largest one and `least`, Pa.
+fn level_of(tops: &[Top], least: f64) -> f64 {
+    tops.iter().map(|of_step| of_step.top).fold(0.0, f64::max).min(least) / BETWEEN
+}
+
+/// Neighbouring steps of which one has at least the tension `level`, Pa.
+fn intervals(tops: &[Top], level: f64) -> impl Iterator<Item = &[Top]> {
+    tops.windows(2).filter(move |ends| ends[0].top.max(ends[1].top) >= level)
 }
 
 /// Numbers of the selected points of a face, ascending.
