@@ -110,8 +110,11 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         Remarks::of_results(&recorder.writer, &facts).tell(&grid);
         tell_of_idle_keys(&grid, &recorder.writer);
         if flow.is_break() {
-            let missing = recorder.missing().len();
-            tell(format_args!("interrupted: {missing} members are missing; the same command computes them"));
+            let (missing, them) = match recorder.missing().len() {
+                1 => ("1 member is".to_owned(), "it"),
+                missing => (format!("{missing} members are"), "them"),
+            };
+            tell(format_args!("interrupted: {missing} missing; the same command computes {them}"));
         } else {
             status = recorder.status();
         }
@@ -150,7 +153,7 @@ fn property_of(key: &str) -> Option<Property> {
 fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
     // The file of a sweep has no fields, and probes only in series. Without them a probe may lie outside of a member, as
     // for example outside a thinner plate.
-    let are_probes_varied = grid.keys().iter().any(|key| key.path.starts_with("output.probes"));
+    let are_probes_varied = grid.varies_below("output.probes");
     let without_probes = (!arguments.series && !are_probes_varied).then(|| "output.probes=[]".to_owned());
     let values: Vec<String> = without_probes.into_iter().chain(grid.values(index)).collect();
     let varied = Scene::varied(source, &values);

@@ -65,6 +65,11 @@ impl Grid {
         self.variations.iter().any(|variation| variation.key == key)
     }
 
+    /// Whether a key with this beginning is varied.
+    pub fn varies_below(&self, beginning: &str) -> bool {
+        self.variations.iter().any(|variation| variation.key.starts_with(beginning))
+    }
+
     /// Whether the grid has no members; it always has at least one.
     pub fn is_empty(&self) -> bool {
         self.members == 0
