@@ -99,7 +99,12 @@ pub(super) fn law(
     };
     let alike = layers.iter().take_while(is_alike).count();
     let thickness: f64 = layers[..alike].iter().map(|layer| layer.thickness).sum();
-    if !is_soft && (alike == layers.len() || plate.contact_radius(impactor) <= WIDEST_HERTZIAN * thickness) {
+    let is_narrow = || {
+        let is = |of: Indentation| plate.contact_radius(impactor, of) <= WIDEST_HERTZIAN * thickness;
+        // The limit takes much less time, and is mostly small enough.
+        is(zener::largest_indentation) || is(zener::peak_indentation)
+    };
+    if !is_soft && (alike == layers.len() || is_narrow()) {
         return LayerEffect::Negligible;
     }
     // Hertz's law has the instantaneous modulus of a viscoelastic layer. The stack has free faces.
@@ -159,6 +164,9 @@ pub(super) fn law(
     law().map_or_else(LayerEffect::Untreated, |contact| LayerEffect::Law(Arc::new(contact)))
 }
 
+/// An indentation (m) from the stiffness of Hertz's law, the mass (kg), the speed (m/s) and the impedance (N s/m).
+type Indentation = fn(f64, f64, f64, f64) -> f64;
+
 /// All layers together as a thin plate, before any relaxation.
 struct Plate {
     stack: Stack,
@@ -195,11 +203,10 @@ impl Plate {
         of_half_space.min(2.0 * (self.impedance() / stiffness).powf(2.0 / 3.0) / speed.cbrt())
     }
 
-    /// Largest contact radius by Hertz's law without echoes, m; 0 for an impactor without a radius.
-    fn contact_radius(&self, impactor: &Impactor) -> f64 {
+    /// Contact radius by Hertz's law at the largest indentation without echoes, m; 0 for an impactor without a radius.
+    fn contact_radius(&self, impactor: &Impactor, largest: Indentation) -> f64 {
         let Impactor { stiffness, mass, speed, radius, .. } = *impactor;
-        let indentation = zener::peak_indentation(stiffness, mass, speed, self.impedance());
-        (radius.unwrap_or_default() * indentation).sqrt()
+        (radius.unwrap_or_default() * largest(stiffness, mass, speed, self.impedance())).sqrt()
     }
 
     /// Radii of the disc to try, m, ascending.
