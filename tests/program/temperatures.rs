@@ -168,7 +168,13 @@ fn temperatures_beyond_the_shift_are_noted() {
         assert_eq!(told, is_told, "{temperature}: {said}");
         // A room temperature in kelvin would be 200 °C or more.
         assert_eq!(said.contains("body.temperature is in °C"), temperature >= 200.0, "{temperature}: {said}");
+        assert!(!said.contains("without body.temperature"), "{temperature}: {said}");
     }
+    let said = good(&folder, 0, "check scene.toml --set body.temperature=").stdout;
+    assert!(
+        said.contains("without body.temperature, a material relaxes as at the reference temperature of its wlf, 20 °C"),
+        "{said}"
+    );
 }
 
 /// Each temperature of a laminate uses its own relaxation times, also at a temperature where no term of the Prony

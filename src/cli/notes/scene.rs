@@ -267,6 +267,14 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     if let Some((beyond, text)) = scene.body.temperature.and_then(|temperature| extrapolated(scene, temperature)) {
         add("temperature", beyond, text);
     }
+    let shift = scene.body.composition.materials().into_iter().find_map(|material| material.shift);
+    if let (Some(shift), None) = (shift, scene.body.temperature) {
+        let text = format!(
+            "without body.temperature, a material relaxes as at the reference temperature of its wlf, {} °C",
+            shift.reference
+        );
+        add("no temperature", 1.0, text);
+    }
     // Bodies that are not reduced have no estimated error of the force.
     if scene.contact == Contact::Point && scene.is_reduced() && scene.body.model != Theory::Kirchhoff {
         let text = "under a point force the displacement of a solid grows without limit as cells get smaller, so that force and stresses depend on the \
