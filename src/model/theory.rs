@@ -174,6 +174,27 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
     }
 }
 
+/// A layerwise plate whose operators can be multiplied with vectors of the whole plate and nothing else
+/// ([`Plate::for_products`]).
+///
+/// # Errors
+/// Same as [`build`].
+pub fn layers_for_products(comm: &Comm, scene: &Scene, size: f64, watch: &dyn Watch) -> Result<Assembled> {
+    watch.at(Stage::Assembly { theory: Model::Layerwise, seconds: 0.0 })?;
+    let theory = layerwise(scene);
+    let Plate { system, points, .. } = Plate::for_products(scene, theory, &plate_settings(scene, theory, size)?)?;
+    Ok(of_grid(comm, scene, (system, points), [1; 3], String::new())?.body)
+}
+
+/// Evaluator of a layerwise plate's displacements and stresses, as [`build`] returns it with the operators.
+///
+/// # Errors
+/// Same as [`build`].
+pub fn evaluator_of_layers(scene: &Scene, size: f64) -> Result<Evaluator> {
+    let theory = layerwise(scene);
+    Ok(Evaluator::of_grid(scene, Plate::points(scene, theory, &plate_settings(scene, theory, size)?)?))
+}
+
 /// A layerwise plate whose layers have neither shear nor a local field, for estimating the error of the theory.
 /// Collective.
 ///

@@ -136,6 +136,15 @@ pub struct Plate {
     pub points: Points,
 }
 
+/// How the mass and the stiffness of a plate are stored.
+#[derive(Clone, Copy, PartialEq)]
+enum Storage {
+    /// As matrices, also as products along the axes where these are quicker.
+    Matrices,
+    /// As products along the axes alone.
+    Products,
+}
+
 /// Data of a plate from which its matrices are made.
 struct Outline {
     geometry: PlateGeometry,
@@ -220,6 +229,21 @@ impl Outline {
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         Ok(Self { geometry, laminate, section, local, in_plane })
     }
+
+    /// The discretisation of the plate.
+    fn points(self, scene: &Scene, theory: PlateTheory, settings: &Settings) -> Points {
+        let Self { geometry, laminate, section, local, in_plane } = self;
+        let tensor = theory.tensor(&in_plane, laminate.as_ref().map_or(1, |laminate| laminate.profile.len()));
+        let half = 0.5 * geometry.thickness;
+        let mut lines: [Vec<f64>; 3] = std::array::from_fn(|_| vec![-half, half]);
+        if let Some(laminate) = &laminate {
+            lines[geometry.normal] = geometry.across_plate(&laminate.profile.heights);
+        }
+        geometry.axes.into_iter().zip(in_plane).for_each(|(axis, of_axis)| lines[axis] = of_axis);
+        let rectangle = waves::rectangle(scene, &geometry, &section, laminate.as_ref(), theory);
+        let rectangle = rectangle.filter(|_| settings.has_echoes_in_closed_form);
+        Points { geometry, section, lines, tensor, theory, local, laminate, rectangle }
+    }
 }
 
 impl Plate {
@@ -232,32 +256,42 @@ impl Plate {
         Ok(outline.in_plane.each_ref().map(|lines| lines.len() - 1))
     }
 
+    /// Evaluator of a scene's plate, without its matrices.
+    ///
+    /// # Errors
+    /// Same as [`Plate::new`].
+    pub fn points(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Points> {
+        Ok(Outline::new(scene, &Description::new(scene), theory, settings)?.points(scene, theory, settings))
+    }
+
     /// Builds a scene's plate.
     ///
     /// # Errors
     /// A fault of `body.model` if the theory cannot model the scene, or if the plate would need too many cells.
     pub fn new(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
+        Self::with(scene, theory, settings, Storage::Matrices)
+    }
+
+    /// Builds a scene's plate whose operators are products along the axes alone, which takes a small part of the time.
+    /// The matrices of mass and stiffness are empty.
+    ///
+    /// # Errors
+    /// Same as [`Plate::new`].
+    pub fn for_products(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
+        Self::with(scene, theory, settings, Storage::Products)
+    }
+
+    fn with(scene: &Scene, theory: PlateTheory, settings: &Settings, storage: Storage) -> Result<Self> {
         let description = Description::new(scene);
-        let Outline { geometry, laminate, section, local, in_plane } =
-            Outline::new(scene, &description, theory, settings)?;
-        let cells = in_plane.each_ref().map(|lines| lines.len() - 1);
-        let tensor = theory.tensor(&in_plane, laminate.as_ref().map_or(1, |laminate| laminate.profile.len()));
-        let half = 0.5 * geometry.thickness;
-        let mut lines: [Vec<f64>; 3] = std::array::from_fn(|_| vec![-half, half]);
-        if let Some(laminate) = &laminate {
-            lines[geometry.normal] = geometry.across_plate(&laminate.profile.heights);
-        }
-        geometry.axes.into_iter().zip(in_plane).for_each(|(axis, of_axis)| lines[axis] = of_axis);
-        let rectangle = waves::rectangle(scene, &geometry, &section, laminate.as_ref(), theory);
-        let rectangle = rectangle.filter(|_| settings.has_echoes_in_closed_form);
-        let points = Points { geometry, section, lines, tensor, theory, local, laminate, rectangle };
+        let points = Outline::new(scene, &description, theory, settings)?.points(scene, theory, settings);
+        let (cells, local) = (points.lines_in_plane().map(|lines| lines.len() - 1), points.local);
         let mirrors = points.geometry.mirrors();
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &mirrors }, &description)?;
         let (multiplicity, classes) = (points.geometry.multiplicity(), points.geometry.classes.len());
         let (mut elastic, mass) = match &points.laminate {
             None => {
                 let shear_factor = local.map_or(0.0, |local| local.shear_factor);
-                (theory.elastic(&section, shear_factor), theory.mass(&section))
+                (theory.elastic(&points.section, shear_factor), theory.mass(&points.section))
             }
             Some(laminate) => (laminate.elastic(), laminate.inertia()),
         };
@@ -270,9 +304,13 @@ impl Plate {
             vector
         };
         let of_classes = |matrix: CsrMatrix<f64>| repeated(matrix, classes);
-        let exchange = square::exchange(&points);
+        let exchange = square::exchange(&points).filter(|_| storage == Storage::Matrices);
         let (mut factorised, mut integrals) = (Vec::new(), Integrals::default());
         let mut of_forms = |operator: Operator, forms: &[Square<2>]| {
+            if storage == Storage::Products {
+                factorised.push((operator, Rc::new(points.tensor.factorised(forms, &mut integrals))));
+                return CsrMatrix::zeros(points.all_unknowns(), points.all_unknowns());
+            }
             let matrix = points.tensor.matrix_sharing(forms, &mut integrals);
             // A square that is symmetric about its diagonal is reduced to half of its unknowns, which have no product
             // form along the axes. Whether its supports are symmetric too is not known yet.
@@ -354,6 +392,8 @@ impl Local {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{DMatrix, DVector};
+
     use super::*;
     use crate::form::plate::rotation;
 
@@ -414,6 +454,37 @@ mod tests {
             let whole = relaxed + (chain.instantaneous() - chain.equilibrium) * energy(distortion, &u);
             assert!((whole / energy(&stiff, &u) - 1.0).abs() < 1e-9, "{whole} {}", energy(&stiff, &u));
         }
+    }
+
+    /// A plate stored as products has the same operators as one stored as matrices.
+    #[test]
+    fn products_are_those_of_the_matrices() {
+        let text = "[body]\nsize = [0.3, 0.2]\n[[body.layer]]\nthickness = 0.004\nmaterial = \"glass\"\n\
+             [[body.layer]]\nthickness = 0.001\nmaterial = \"soft\"\n[[body.layer]]\nthickness = 0.006\nmaterial = \"glass\"\n\
+             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+             [material.soft]\ndensity = 1100.0\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
+             [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e8\nspeed = 1.0\n[time]\nend = 1e-3\n";
+        let (scene, _) = Scene::parse("test", text, &[]).expect("a scene");
+        let settings = Settings { cell_size_factor: 2.4, ..Settings::default() };
+        let system = |plate: Result<Plate>| plate.expect("a plate").system;
+        let whole = system(Plate::new(&scene, PlateTheory::Layerwise, &settings));
+        let products = system(Plate::for_products(&scene, PlateTheory::Layerwise, &settings));
+        let matrices = [
+            (Operator::Mass, &whole.mass),
+            (Operator::Elastic, &whole.elastic),
+            (Operator::Distortion(0), &whole.relaxations[0].0),
+        ];
+        assert_eq!(products.factorised.len(), matrices.len());
+        let u: Vec<f64> = (0..whole.load.len()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
+        for (operator, matrix) in matrices {
+            let factorised = products.factorised.iter().find(|(of, _)| *of == operator).expect("a product");
+            let (all, product) = (matrix * DMatrix::from_column_slice(u.len(), 1, &u), factorised.1.multiply(&u));
+            let off = (all.column(0) - DVector::from_column_slice(&product)).amax();
+            // Rounding errors of some hundred terms, of which the largest exceed the sums.
+            assert!(off <= 1e-11 * all.amax(), "{operator:?}: {off:e} of {:e}", all.amax());
+        }
+        assert_eq!(products.localization, whole.localization);
+        assert_eq!(products.mass.nnz() + products.elastic.nnz() + products.relaxations[0].0.nnz(), 0);
     }
 
     /// Stiffness of springs along the sides against a rotation of Mindlin's whole plate along one axis: k h³/12 per

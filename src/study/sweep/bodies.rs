@@ -238,7 +238,7 @@ impl<'a> Bodies<'a> {
             self.make_interpolated(&self.comm.clone(), &line.body, watch)?;
         }
         let Some(Some(made)) = self.relaxing.get(&line.body) else { return Ok(None) };
-        Ok(made.at(line.value, scene, watch)?.map(|(body, errors, readout)| Kept {
+        Ok(made.at(line.value, scene)?.map(|(body, errors, readout)| Kept {
             body,
             theory: scene.body.model,
             judge: None,

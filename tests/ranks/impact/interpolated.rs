@@ -18,41 +18,64 @@ fn temperatures() -> Vec<f64> {
     (0..24).map(|n| 2.0 * f64::from(n)).collect()
 }
 
-/// A small pane at a temperature, °C.
-fn pane(temperature: f64) -> Scene {
+/// A small pane at a temperature (°C), with its size and its impact.
+fn pane(impact: &Impact, temperature: f64) -> Scene {
+    let Impact { edge, mass, speed, end } = impact;
     let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
     parse(&format!(
-        "title = \"Laminate\"\n[body]\nsize = [0.3, 0.3]\nmodel = \"layerwise\"\ntemperature = {temperature:e}\n{glass}\
+        "title = \"Laminate\"\n[body]\nsize = [{edge}, {edge}]\nmodel = \"layerwise\"\ntemperature = {temperature:e}\n{glass}\
          [[body.layer]]\nthickness = 0.00076\nmaterial = \"interlayer\"\n{glass}\
          [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
          [material.interlayer]\nbulk = 2e9\ndensity = 1100.0\nshear = 3e6\n\
          prony = [{{ modulus = 6.9e6, time = 1e-5 }}, {{ modulus = 3.9e6, time = 1e-4 }}, {{ modulus = 2.3e6, time = 1e-3 }}]\n\
          wlf = {{ c1 = 20.7, c2 = 91.1, reference = 20.0 }}\n\
-         [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
-         [time]\nend = 6e-4\n[accuracy]\ntolerance = 2e-2\n"
+         [impactor]\nmass = {mass}\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = {speed}\n\
+         [time]\nend = {end:e}\n[accuracy]\ntolerance = 2e-2\n"
     ))
 }
 
-fn interpolated(ranks: &Comm) -> Interpolated {
-    let scene_of = |temperature: f64| Ok(pane(temperature));
+fn interpolated(ranks: &Comm, impact: &Impact) -> Interpolated {
+    let scene_of = |temperature: f64| Ok(pane(impact, temperature));
     let alone = ranks.session().alone();
     let (values, watch) = (temperatures(), &Unwatched(&alone));
     let start = Start::new(ranks, &values, &scene_of, watch).unwrap().expect("a common basis");
     Interpolated::new(ranks, &values, &scene_of, start, watch).unwrap().expect("few bodies")
 }
 
+/// Size of the pane and its impact.
+struct Impact {
+    /// Length of the pane's edges, m.
+    edge: f64,
+    /// Mass of the impactor, kg.
+    mass: f64,
+    /// Speed of the impactor, m/s.
+    speed: f64,
+    /// End of the run, s.
+    end: f64,
+}
+
+/// In the slow contact of the second one, the vibrations with large weights alone are not an accurate common basis.
+const IMPACTS: [Impact; 2] =
+    [Impact { edge: 0.3, mass: 2.0, speed: 1.0, end: 6e-4 }, Impact { edge: 0.2, mass: 5.0, speed: 0.1, end: 2e-3 }];
+
 /// At temperatures between the computed bodies, the force is compared with the force for the body there, on the same
 /// basis. The difference is within the interpolation's estimate, and is not negligible compared with it. A single rank
 /// gives the same result to the last digit.
 fn what_is_interpolated_is_within_its_part_of_the_estimate(session: &Session) {
     let (ranks, alone) = (session.world(), session.alone());
-    let watch = &Unwatched(&alone);
-    let [together, by_itself] = [&ranks, &alone].map(interpolated);
+    for impact in &IMPACTS {
+        is_within_its_part_of_the_estimate([&ranks, &alone], impact);
+    }
+}
+
+fn is_within_its_part_of_the_estimate([ranks, alone]: [&Comm; 2], impact: &Impact) {
+    let watch = &Unwatched(alone);
+    let [together, by_itself] = [ranks, alone].map(|ranks| interpolated(ranks, impact));
     let mut largest = 0.0_f64;
     for temperature in temperatures() {
-        let scene = pane(temperature);
+        let scene = pane(impact, temperature);
         let peaks = [&together, &by_itself].map(|of| {
-            let (body, ..) = of.at(temperature, &scene, watch).unwrap().expect("within the range");
+            let (body, ..) = of.at(temperature, &scene).unwrap().expect("within the range");
             ModalImpact::new(&scene, &body).trace(None).unwrap().0.peak()
         });
         assert_eq!(peaks[0].to_bits(), peaks[1].to_bits(), "{temperature} °C: {peaks:?}");

@@ -12,11 +12,10 @@ use crate::body::{
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, Readout, Steps, Trace};
 use crate::model::watch::Watch;
-use crate::model::{Built, CellSize, Gauges, Operators, build, cell_size, rate, reduce_from};
+use crate::model::{
+    Built, CellSize, Gauges, Operators, build, cell_size, evaluator_of_layers, layers_for_products, rate, reduce_from,
+};
 use crate::scene::{Body, Scene};
-
-/// Smallest weight of the directions kept in the basis, relative to the tolerance.
-const DEPTH: f64 = 0.03;
 
 /// Part of the motion of the impact point that vibrations which are left out may have, relative to the tolerance. An
 /// estimate.
@@ -63,6 +62,8 @@ pub struct SharedBasis {
     pub basis: Columns,
     /// Map from that part to the whole body, if the part is not the whole.
     exchange: Option<DiagonalSymmetry>,
+    /// Basis vectors of the whole body.
+    whole: Columns,
     /// Number of unknowns of the whole bodies.
     pub unknowns: usize,
     /// Time steps in which all forces are compared.
@@ -106,12 +107,6 @@ impl Cells {
         let vibrations = snapshots(reduced.krylov.excited(), &larger, rate(&scene));
         Ok(Sample { own: reduced.take_larger_modal(), error: reduced.error, scene, body, vibrations })
     }
-
-    /// Readout of the stresses on faces of a scene's body, in the coordinates of the given vectors.
-    pub fn readout(&self, scene: &Scene, vectors: Vec<Vec<f64>>, watch: &dyn Watch) -> Result<Readout> {
-        let Operators { evaluator, body, .. } = self.built(scene, watch)?;
-        Ok(Gauges::new(&self.comm, scene, evaluator, body.linear().unknowns(), Some(vectors))?.readout)
-    }
 }
 
 impl Sample {
@@ -126,12 +121,13 @@ impl Sample {
         Ok(ModalImpact::new(&self.scene, &self.own).trace(None)?.1)
     }
 
-    /// The main vibration vectors of several samples, orthonormal in this body's mass matrix, one after another.
-    pub fn common_basis(&self, all: &[SampleNumbers]) -> Result<Vec<f64>> {
+    /// The main vibration vectors of several samples, orthonormal in this body's mass matrix, one after another. They
+    /// are kept down to a weight of `depth` relative to the largest.
+    pub fn common_basis(&self, all: &[SampleNumbers], depth: f64) -> Result<Vec<f64>> {
         let body = excited(self.body.linear());
         let unknowns = body.unknowns();
         let pool = columns(unknowns, all.iter().flat_map(|sample| sample.vibrations.chunks_exact(unknowns)));
-        let (directions, vectors) = main_directions(body, &pool, DEPTH * self.scene.tolerance)?;
+        let (directions, vectors) = main_directions(body, &pool, depth)?;
         Ok(orthonormal_basis(body, &directions.range(0..vectors))?.iter().flatten().copied().collect())
     }
 
@@ -150,6 +146,11 @@ fn columns<'a>(length: usize, vectors: impl Iterator<Item = &'a [f64]>) -> Colum
     all
 }
 
+/// Maps vectors of the excited part of a body to the whole.
+fn whole(vectors: &Columns, exchange: Option<&DiagonalSymmetry>) -> Vec<Vec<f64>> {
+    vectors.iter().map(|vector| exchange.map_or_else(|| vector.to_vec(), |exchange| exchange.whole(vector))).collect()
+}
+
 impl SharedBasis {
     /// Makes the basis from vectors that are stored one after another, for bodies like a scene's.
     pub fn new(cells: Cells, vectors: &[f64], scene: &Scene, steps: Steps, watch: &dyn Watch) -> Result<Self> {
@@ -157,16 +158,19 @@ impl SharedBasis {
         let length = excited(body.linear()).unknowns();
         let basis = columns(length, vectors.chunks_exact(length));
         let (exchange, unknowns) = (body.linear().exchange().cloned(), body.linear().unknowns());
-        Ok(Self { cells, basis, exchange, unknowns, steps })
+        let whole = columns(unknowns, whole(&basis, exchange.as_ref()).iter().map(Vec::as_slice));
+        Ok(Self { cells, basis, exchange, whole, unknowns, steps })
     }
 
     /// Maps vectors of the excited part to the whole body.
     pub fn whole(&self, vectors: &Columns) -> Vec<Vec<f64>> {
-        let whole = |vector: &[f64]| match &self.exchange {
-            Some(exchange) => exchange.whole(vector),
-            None => vector.to_vec(),
-        };
-        vectors.iter().map(whole).collect()
+        whole(vectors, self.exchange.as_ref())
+    }
+
+    /// Readout of the stresses on faces of a scene's body, in the coordinates of the given vectors.
+    pub fn readout(&self, scene: &Scene, vectors: Vec<Vec<f64>>) -> Result<Readout> {
+        let evaluator = evaluator_of_layers(scene, self.cells.size)?;
+        Ok(Gauges::new(&self.cells.comm, scene, Some(evaluator), self.unknowns, Some(vectors))?.readout)
     }
 
     /// Makes a scene's body, and compares its force with the interpolation between `others`.
@@ -178,12 +182,11 @@ impl SharedBasis {
         is_geometric: bool,
         watch: &dyn Watch,
     ) -> Result<Made> {
-        let body = self.cells.built(scene, watch)?.body;
-        let body = excited(body.linear());
-        if body.unknowns() != self.basis.rows() {
-            return Err(Error::Solve("the body is not as symmetric as the others".into()));
+        let body = layers_for_products(&self.cells.comm, scene, self.cells.size, watch)?;
+        if body.linear().unknowns() != self.unknowns {
+            return Err(Error::Solve("the body has other cells than the others".into()));
         }
-        let projection = project(body, &self.basis, rate(scene))?;
+        let projection = project(body.linear(), &self.whole, rate(scene))?;
         let modal = ModalBody::of(&projection);
         let mut impact = ModalImpact::new(scene, &modal).without_energies();
         let (exact, _) = impact.trace(Some(self.steps))?;

@@ -32,6 +32,10 @@ const FIRST_INTERVALS: usize = 4;
 /// Largest number of bodies.
 const MAX_BODIES: usize = 65;
 
+/// Smallest weight of the directions kept in the basis, relative to the tolerance: first the largest, then smaller ones
+/// until the basis is accurate. The slower the contact, the fewer directions have large weights.
+const DEPTHS: [f64; 3] = [0.03, 0.01, 0.003];
+
 /// Share of the tolerance for the interpolation error.
 const INTERPOLATION_SHARE: f64 = 0.3;
 
@@ -235,7 +239,7 @@ impl Interpolated {
         }
         all.errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.nodes = nodes.into_values().collect();
-        all.read_along_main_motions(ranks, watch)?;
+        all.read_along_main_motions(ranks)?;
         all.between = all.nodes.windows(STENCIL).map(|_| OnceCell::new()).collect();
         Ok(Some(all))
     }
@@ -267,14 +271,14 @@ impl Interpolated {
     }
 
     /// Reduces the bodies to the directions that cause stresses, along which they are read. Collective.
-    fn read_along_main_motions(&mut self, ranks: &Comm, watch: &dyn Watch) -> Result<()> {
+    fn read_along_main_motions(&mut self, ranks: &Comm) -> Result<()> {
         let (nodes, shared) = (&self.nodes, &self.shared);
         let scene = &nodes[nodes.len() / 2].scene;
         let count = shared.basis.count();
         let (shapes, parts) = decided(ranks, || {
             let vectors = shared.whole(&shared.basis);
             let stresses = match scene.output.stress {
-                true => shared.cells.readout(scene, vectors, watch)?.faces.and_then(|faces| squares(&faces)),
+                true => shared.readout(scene, vectors)?.faces.and_then(|faces| squares(&faces)),
                 false => None,
             };
             let responses: Vec<&Response> = nodes.iter().map(|node| &node.response).collect();
@@ -305,12 +309,7 @@ impl Interpolated {
     ///
     /// # Errors
     /// Same as making a model.
-    pub fn at(
-        &self,
-        value: f64,
-        scene: &Scene,
-        watch: &dyn Watch,
-    ) -> Result<Option<(ModalBody, Errors, Option<Readout>)>> {
+    pub fn at(&self, value: f64, scene: &Scene) -> Result<Option<(ModalBody, Errors, Option<Readout>)>> {
         let is_alike = self.nodes.first().is_some_and(|node| {
             let of_all = &node.scene;
             scene.impactor.is_like(&of_all.impactor) && scene.time == of_all.time
@@ -319,7 +318,7 @@ impl Interpolated {
         let near: Vec<&Node> = self.nodes.iter().collect();
         let nearest = near.iter().min_by(|a, b| (a.value - value).abs().total_cmp(&(b.value - value).abs()));
         let readout = match nearest.filter(|node| node.scene.output.is_read()) {
-            Some(node) => Some(self.readout(node, watch)?.clone()),
+            Some(node) => Some(self.readout(node)?.clone()),
             None => None,
         };
         let errors = Errors { stress: f64::NAN, ..self.of_model.joined(of_interpolation) };
@@ -330,11 +329,11 @@ impl Interpolated {
     }
 
     /// Readout of the stresses on a body's faces.
-    fn readout<'a>(&self, node: &'a Node, watch: &dyn Watch) -> Result<&'a Readout> {
+    fn readout<'a>(&self, node: &'a Node) -> Result<&'a Readout> {
         if let Some(readout) = node.readout.get() {
             return Ok(readout);
         }
-        let readout = self.shared.cells.readout(&node.scene, self.vectors.clone(), watch)?;
+        let readout = self.shared.readout(&node.scene, self.vectors.clone())?;
         Ok(node.readout.get_or_init(|| readout))
     }
 
@@ -378,27 +377,31 @@ fn shared_basis(
     }
     let of_bases = numbers.iter().fold(Errors::default(), |most, sample| most.max(sample.error));
     numbers.truncate(BASIS);
-    // Sample 0 is on rank 0.
-    let first = |sample: &Option<Sample>| sample.as_ref().map(|sample| sample.common_basis(&numbers)).transpose();
-    let Some(vectors) = decided(ranks, || first(&samples[0]))? else { return Ok(None) };
     let steps = spread(ranks, places.len(), |k| match &samples[k] {
         Some(sample) if k == BASIS => Ok(Some(sample.steps()?)),
         _ => Ok(None),
     })?;
     let Some(steps) = steps[BASIS] else { return Ok(None) };
     let scene = scene(0)?;
-    let shared = SharedBasis::new(cells.clone(), &vectors, &scene, steps, watch);
-    // One rank may be interrupted before the others.
-    let shared = agree(ranks, shared.map_err(|error| error.of_all_ranks().as_told()))?;
-    let off = spread(ranks, places.len(), |k| match &samples[k] {
-        Some(sample) if k >= BASIS => sample.off(&shared),
-        _ => Ok(Errors::default()),
-    })?;
-    let of_merging = off.into_iter().fold(Errors::default(), Errors::max);
-    let (vectors, first, all) = (shared.basis.count(), of_merging.first_contact, of_merging.history);
-    tracing::info!(vectors, first, all, "common basis");
-    let is_good = of_merging.of(scene.measure) <= BASIS_SHARE * scene.tolerance;
-    Ok(is_good.then(|| (shared, of_bases.joined(of_merging))))
+    for depth in DEPTHS.map(|depth| depth * scene.tolerance) {
+        // Sample 0 is on rank 0.
+        let made = || samples[0].as_ref().map(|sample| sample.common_basis(&numbers, depth)).transpose();
+        let Some(vectors) = decided(ranks, made)? else { return Ok(None) };
+        let shared = SharedBasis::new(cells.clone(), &vectors, &scene, steps, watch);
+        // One rank may be interrupted before the others.
+        let shared = agree(ranks, shared.map_err(|error| error.of_all_ranks().as_told()))?;
+        let off = spread(ranks, places.len(), |k| match &samples[k] {
+            Some(sample) if k >= BASIS => sample.off(&shared),
+            _ => Ok(Errors::default()),
+        })?;
+        let of_merging = off.into_iter().fold(Errors::default(), Errors::max);
+        let (vectors, first, all) = (shared.basis.count(), of_merging.first_contact, of_merging.history);
+        tracing::info!(vectors, first, all, "common basis");
+        if of_merging.of(scene.measure) <= BASIS_SHARE * scene.tolerance {
+            return Ok(Some((shared, of_bases.joined(of_merging))));
+        }
+    }
+    Ok(None)
 }
 
 /// RᵀR, where the rows of R give all stresses on faces from the basis coordinates; `None` if they are not stored as a
