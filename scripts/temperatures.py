@@ -1,0 +1,92 @@
+"""temperatures.py PROGRAM OUT DOCUMENT: a thousand temperatures of a laminate; see scripts/temperatures."""
+
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+import h5py
+import numpy as np
+
+from estimates import percent
+from markers import replace, table
+
+SCENE = "scenes/laminate.toml"
+# A step of 0.05 °C, so that whole degrees are among the members.
+VALUES = "0..50:1001"
+COMPARED = range(5, 50, 10)
+REFERENCE = 2e-3
+# Single runs, before and after the sweep.
+RUNS = 5
+HEAD = ["pane", "a run", "1,001 temperatures, two ranks", "peak of the first contact: largest error (estimate)", "largest tension: largest error"]
+
+
+@dataclass(frozen=True)
+class Pane:
+    """The pane of the scene; `keys` replace some of the scene's."""
+
+    words: str
+    keys: tuple
+
+    def command(self, program, *more):
+        """A command with the scene and its keys."""
+        return [program, "-q", more[0], SCENE, *(word for key in self.keys for word in ("--set", key)), *map(str, more[1:])]
+
+
+PANES = [
+    Pane("on springs, 5 kg at 2 m/s, 5 ms", ()),
+    Pane("free, 52 kg at 1 m/s, 8 ms", ("support=", "impactor.mass=52.0", "impactor.speed=1.0", "time.end=0.008")),
+]
+
+
+def timed(command):
+    """Wall time of a command, s."""
+    begin = time.monotonic()
+    subprocess.run(command, check=True, capture_output=True)
+    return time.monotonic() - begin
+
+
+def row(program, out, number, pane):
+    """One pane: times, and errors at some temperatures."""
+    result, single = out / f"{number}.h5", out / f"{number}-run.h5"
+    result.unlink(missing_ok=True)
+    sweep = ["mpirun", "-n", "2", *pane.command(program, "sweep", "--vary", f"body.temperature={VALUES}", "-o", result)]
+    run = pane.command(program, "run", "-o", single, "--force")
+    runs = [timed(run) for _ in range(RUNS)]
+    seconds = timed(sweep)
+    runs += [timed(run) for _ in range(RUNS)]
+    with h5py.File(result) as file:
+        members = {name: file["members"][name][:] for name in ("vary/body.temperature", "largest_stress", "first_contact_error")}
+        # The contacts are listed member by member.
+        contacts = file["members/contacts"][:]
+        peaks = file["contacts/peak_force"][:][np.cumsum(contacts) - contacts]
+    of_peak, of_tension, estimates = [], [], []
+    for degrees in COMPARED:
+        keys = (f"body.temperature={degrees}.0", "body.model=layerwise", f"accuracy.tolerance={REFERENCE}")
+        subprocess.run(run + [word for key in keys for word in ("--set", key)], check=True, capture_output=True)
+        member = np.argmin(abs(members["vary/body.temperature"] - degrees))
+        with h5py.File(single) as file:
+            of_peak.append(abs(peaks[member] / file["contacts/peak_force"][0] - 1))
+            of_tension.append(abs(members["largest_stress"][member] / file.attrs["largest_stress"] - 1))
+        estimates.append(members["first_contact_error"][member])
+    worst = int(np.argmax(of_peak))
+    cells = [
+        pane.words,
+        f"{median(runs):.2g} s",
+        f"{seconds:.2g} s",
+        f"{percent(of_peak[worst])} ({percent(estimates[worst])})",
+        percent(max(of_tension)),
+    ]
+    print(*cells, of_peak, of_tension, flush=True)
+    return cells
+
+
+def main():
+    program, out, document = sys.argv[1], Path(sys.argv[2]), sys.argv[3]
+    replace(document, "temperatures", table(HEAD, [row(program, out, number, pane) for number, pane in enumerate(PANES)]))
+
+
+if __name__ == "__main__":
+    main()
