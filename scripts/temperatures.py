@@ -16,18 +16,18 @@ from markers import replace, table
 SCENE = "scenes/laminate.toml"
 # A step of 0.05 °C, so that whole degrees are among the members.
 VALUES = "0..50:1001"
-COMPARED = range(5, 50, 10)
-REFERENCE = 2e-3
-# Single runs, before and after the sweep.
+COMPARED_TEMPERATURES = range(5, 50, 10)
+REFERENCE_TOLERANCE = 2e-3
+# Single runs before the sweep, and again after it.
 RUNS = 5
-HEAD = ["pane", "a run", "1,001 temperatures, two ranks", "peak of the first contact: largest error (estimate)", "largest tension: largest error"]
+HEAD = ["pane", "one run, one rank", "1,001 temperatures, two ranks", "peak of the first contact: largest error (estimate)", "largest tension: largest error"]
 
 
 @dataclass(frozen=True)
 class Pane:
     """The pane of the scene; `keys` replace some of the scene's."""
 
-    words: str
+    description: str
     keys: tuple
 
     def command(self, program, *more):
@@ -63,8 +63,8 @@ def row(program, out, number, pane):
         contacts = file["members/contacts"][:]
         peaks = file["contacts/peak_force"][:][np.cumsum(contacts) - contacts]
     of_peak, of_tension, estimates = [], [], []
-    for degrees in COMPARED:
-        keys = (f"body.temperature={degrees}.0", "body.model=layerwise", f"accuracy.tolerance={REFERENCE}")
+    for degrees in COMPARED_TEMPERATURES:
+        keys = (f"body.temperature={degrees}.0", "body.model=layerwise", f"accuracy.tolerance={REFERENCE_TOLERANCE}")
         subprocess.run(run + [word for key in keys for word in ("--set", key)], check=True, capture_output=True)
         member = np.argmin(abs(members["vary/body.temperature"] - degrees))
         with h5py.File(single) as file:
@@ -73,7 +73,7 @@ def row(program, out, number, pane):
         estimates.append(members["first_contact_error"][member])
     worst = int(np.argmax(of_peak))
     cells = [
-        pane.words,
+        pane.description,
         f"{median(runs):.2g} s",
         f"{seconds:.2g} s",
         f"{percent(of_peak[worst])} ({percent(estimates[worst])})",

@@ -17,6 +17,10 @@ use crate::error::Result;
 /// Ratio of the depth of the larger basis, used for the error estimate, to the depth of the basis.
 const DEPTH_OF_LARGER: f64 = 0.1;
 
+/// Weight relative to the largest below which a direction is only rounding: its square is the relative error of the
+/// products of some hundred vectors.
+const ROUNDING: f64 = 3e-7;
+
 /// Returns the vibrations of a reduced body as vectors of the whole body. Each is scaled by a weight: 1 well below a
 /// frequency (rad/s), decreasing with the inverse square above. Viscoelastic parts have the modulus at the lowest shift
 /// of the basis. With the instantaneous modulus, vibrations that become slow later would be too fast to count.
@@ -51,8 +55,9 @@ impl CommonBasis {
     /// If a PETSc call fails.
     pub fn new(ends: [(f64, &dyn LinearBody); 2], all: &Columns, depth: f64, rate: f64) -> Result<Self> {
         let [(from, body), (to, other)] = ends;
-        let (directions, vectors) = main_directions(body, all, depth)?;
-        let basis = orthonormal_basis(body, &directions)?;
+        let (directions, [vectors, _]) = main_directions(body, all, [depth, DEPTH_OF_LARGER * depth])?;
+        let mut basis = directions.zeros(0);
+        extend_orthonormal(body, &mut basis, &directions)?;
         let projections = [project(body, &basis, rate)?, project(other, &basis, rate)?];
         Ok(Self { ends: [from, to], projections, vectors, basis, directions })
     }
@@ -70,13 +75,17 @@ impl CommonBasis {
     }
 }
 
-/// Returns the dominant directions of some vectors, each scaled by its weight, the largest first. They are kept down to
-/// a weight of `DEPTH_OF_LARGER` times `depth` relative to the largest. Also returns the number of directions down to `depth`.
-/// Collective.
+/// Returns the dominant directions of some vectors, each scaled by its weight, the largest first. `depths` are weights
+/// relative to the largest, in descending order: also returns the number of directions down to each of them. Directions
+/// below the last one are left out. Collective.
 ///
 /// # Errors
 /// If a PETSc call fails.
-pub fn main_directions(body: &dyn LinearBody, all: &Columns, depth: f64) -> Result<(Columns, usize)> {
+pub fn main_directions<const N: usize>(
+    body: &dyn LinearBody,
+    all: &Columns,
+    depths: [f64; N],
+) -> Result<(Columns, [usize; N])> {
     let mut gram = all.products(&body.apply(Operator::Mass, all)?);
     // Symmetric up to rounding.
     gram.fill_lower_triangle_with_upper_triangle();
@@ -85,22 +94,25 @@ pub fn main_directions(body: &dyn LinearBody, all: &Columns, depth: f64) -> Resu
     // In descending order.
     let order: Vec<usize> = (0..all.count()).rev().collect();
     let largest = order.first().map_or(0.0, |&i| values[i]);
-    let deep = |depth: f64| order.iter().filter(|&&i| values[i] > depth * depth * largest).count();
-    let [vectors, larger] = [depth, DEPTH_OF_LARGER * depth].map(deep);
-    Ok((all.combined(&shapes.select_columns(&order[..larger])), vectors))
+    let deep = |depth: f64| {
+        let least = depth.max(ROUNDING).powi(2) * largest;
+        order.iter().filter(|&&i| values[i] > least).count()
+    };
+    let counts = depths.map(deep);
+    let kept = counts.last().copied().unwrap_or_default();
+    Ok((all.combined(&shapes.select_columns(&order[..kept])), counts))
 }
 
-/// Makes some directions orthonormal in the mass of a body. Collective.
+/// Adds some directions to a basis that is orthonormal in the mass of a body. Collective.
 ///
 /// # Errors
 /// If a PETSc call fails.
-pub fn orthonormal_basis(body: &dyn LinearBody, directions: &Columns) -> Result<Columns> {
-    let mut basis = directions.zeros(0);
+pub fn extend_orthonormal(body: &dyn LinearBody, basis: &mut Columns, directions: &Columns) -> Result<()> {
     for number in 0..directions.count() {
-        let next = orthonormal(body, directions.range(number..number + 1), &basis)?;
+        let next = orthonormal(body, directions.range(number..number + 1), basis)?;
         basis.append(next);
     }
-    Ok(basis)
+    Ok(())
 }
 
 /// Makes a vector orthonormal to a basis, in two passes because of rounding.

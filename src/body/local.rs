@@ -124,6 +124,7 @@ impl LinearBody for LocalBody {
     }
 
     fn solver(&self, rate: f64, precision: Precision) -> Result<Solver> {
+        assert!(self.system.elastic.nnz() > 0, "a body for products has no matrices");
         let relaxing = self.system.relaxations.iter();
         let relaxing = relaxing.map(|(distortion, chain)| (chain.transformed_terms(rate), distortion));
         let factor = |operator: Operator, factor: f64| self.matrix(operator).map(|matrix| (factor, matrix));

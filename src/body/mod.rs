@@ -53,7 +53,7 @@ pub(crate) use block_matrix::BlockMatrix;
 pub(crate) use chosen_steps::FEW_MODES;
 pub use clamps::Clamps;
 pub use columns::Columns;
-pub use common_basis::{CommonBasis, main_directions, orthonormal_basis, project, snapshots};
+pub use common_basis::{CommonBasis, extend_orthonormal, main_directions, project, snapshots};
 pub use diagonal_symmetry::DiagonalSymmetry;
 pub use direct_sum::DirectSum;
 pub use infinite_plate::{InfinitePlate, ModeCount, SHIFT_OVER_CUTOFF, VECTORS_PER_MODE};

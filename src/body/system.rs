@@ -60,7 +60,7 @@ pub struct System {
     /// Number of each unknown after an exchange of the two axes, if the body is a square that permits it.
     pub exchange: Option<Vec<usize>>,
     /// Operators of each symmetry class as products along the axes of a grid, if these are cheaper than products with
-    /// all entries.
+    /// all entries. They take precedence over the matrices, which may then be empty, in bodies for products alone.
     pub factorised: Vec<(Operator, Rc<SumFactorised>)>,
     /// Number of such bodies that form the whole.
     pub multiplicity: f64,

@@ -153,7 +153,7 @@ fn property_of(key: &str) -> Option<Property> {
 fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result<Task> {
     // The file of a sweep has no fields, and probes only in series. Without them a probe may lie outside of a member, as
     // for example outside a thinner plate.
-    let are_probes_varied = grid.varies_below("output.probes");
+    let are_probes_varied = grid.varies_prefix("output.probes");
     let without_probes = (!arguments.series && !are_probes_varied).then(|| "output.probes=[]".to_owned());
     let values: Vec<String> = without_probes.into_iter().chain(grid.values(index)).collect();
     let varied = Scene::varied(source, &values);

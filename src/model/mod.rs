@@ -27,7 +27,7 @@ pub use readings::Gauges;
 use reduce::is_moved_by_loads;
 pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, reduce_from, shift};
 pub use simulation::Simulation;
-pub use theory::{Built, Operators, admits, build, evaluator_of_layers, layers_for_products, name};
+pub use theory::{Built, Operators, admits, build, layerwise_evaluator, layerwise_for_products, name};
 
 pub use cells::{CellSize, Fitted, cell_size};
 use cells::{fit, refine, unrefined};

@@ -174,23 +174,24 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
     }
 }
 
-/// A layerwise plate whose operators can be multiplied with vectors of the whole plate and nothing else
-/// ([`Plate::for_products`]).
+/// A layerwise plate for products of its operators with vectors only ([`Plate::for_products`]). The vectors have the
+/// unknowns of the whole plate.
 ///
 /// # Errors
-/// Same as [`build`].
-pub fn layers_for_products(comm: &Comm, scene: &Scene, size: f64, watch: &dyn Watch) -> Result<Assembled> {
+/// A fault of `body.model` if the theory does not admit the scene.
+pub fn layerwise_for_products(scene: &Scene, size: f64, watch: &dyn Watch) -> Result<LocalBody> {
     watch.at(Stage::Assembly { theory: Model::Layerwise, seconds: 0.0 })?;
     let theory = layerwise(scene);
-    let Plate { system, points, .. } = Plate::for_products(scene, theory, &plate_settings(scene, theory, size)?)?;
-    Ok(of_grid(comm, scene, (system, points), [1; 3], String::new())?.body)
+    let Plate { mut system, points, .. } = Plate::for_products(scene, theory, &plate_settings(scene, theory, size)?)?;
+    evaluator_of_grid(scene, points, &mut system);
+    Ok(LocalBody::new(system))
 }
 
 /// Evaluator of a layerwise plate's displacements and stresses, as [`build`] returns it with the operators.
 ///
 /// # Errors
-/// Same as [`build`].
-pub fn evaluator_of_layers(scene: &Scene, size: f64) -> Result<Evaluator> {
+/// A fault of `body.model` if the theory does not admit the scene.
+pub fn layerwise_evaluator(scene: &Scene, size: f64) -> Result<Evaluator> {
     let theory = layerwise(scene);
     Ok(Evaluator::of_grid(scene, Plate::points(scene, theory, &plate_settings(scene, theory, size)?)?))
 }
@@ -317,11 +318,7 @@ fn of_grid(
     cells: [usize; 3],
     discretisation: String,
 ) -> Result<Operators> {
-    let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
-    let read = evaluator.as_ref().filter(|_| scene.output.stress).and_then(|evaluator| evaluator.hit_stress(scene));
-    if let Some(read) = read {
-        (system.hit_stress, system.local_stress_per_newton) = read;
-    }
+    let evaluator = evaluator_of_grid(scene, points, &mut system);
     // Nonlinear bodies, and the search for an equilibrium, use PETSc.
     let is_linear = system.pads.is_empty() && scene.time.initial == Initial::Rest;
     let body = if scene.is_reduced() && is_linear {
@@ -330,6 +327,16 @@ fn of_grid(
         Assembled::InPetsc(Box::new(Body::of(&comm.session().alone(), &system)?))
     };
     Ok(Operators { body, discretisation, cells: Some(cells), cell_over_disc: None, evaluator, measures: None })
+}
+
+/// Evaluator of a spline grid, if the scene asks for it. The stresses opposite the impact point are added to the system.
+fn evaluator_of_grid(scene: &Scene, points: impl PointEvaluator + 'static, system: &mut System) -> Option<Evaluator> {
+    let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
+    let read = evaluator.as_ref().filter(|_| scene.output.stress).and_then(|evaluator| evaluator.hit_stress(scene));
+    if let Some(read) = read {
+        (system.hit_stress, system.local_stress_per_newton) = read;
+    }
+    evaluator
 }
 
 #[cfg(test)]

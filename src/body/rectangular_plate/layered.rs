@@ -10,7 +10,7 @@
 
 use std::rc::Rc;
 
-use nalgebra::{Complex, DMatrix, RowDVector, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector, DVectorView, RowDVector, SymmetricEigen};
 
 use super::BendingWaves;
 use crate::material::Maxwell;
@@ -22,6 +22,9 @@ const CHANGE: f64 = 1e-7;
 
 /// Largest m ω²/(S ξ²) of a wave. In the equivalent Mindlin plate, waves are slower than the shear waves of the plies.
 const FASTEST: f64 = 0.9;
+
+/// Eigenvalues 1/ω² below this fraction of the largest one are rounding errors and are left out.
+const ROUNDING: f64 = 1e-14;
 
 /// Number of entries of the table between which a cubic interpolates.
 const ENTRIES: usize = 4;
@@ -223,32 +226,61 @@ struct Bending {
     strains: Vec<f64>,
 }
 
+/// One of the waves of a wavenumber.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaminateMode {
+    /// Frequency, rad/s.
+    pub frequency: f64,
+    /// Square of the displacement under the impactor for a unit amplitude, m²/kg.
+    pub squared_displacement: f64,
+    /// Amplitudes y with yᵀMy = 1.
+    shape: DVector<f64>,
+}
+
 impl LaminateWave {
-    /// The slowest wave, with moduli (Pa) beyond those of the stiffness; `None` if the stiffness is not positive definite.
+    /// The waves with moduli (Pa) beyond those of the stiffness, the slowest first. Waves that are much faster than the
+    /// slowest one may be missing.
     ///
     /// With K = L Lᵀ and y = L⁻ᵀ x, the matrix L⁻¹ M L⁻ᵀ has the eigenvalues 1/ω². Its largest ones belong to the slowest waves, which are therefore
-    /// accurate also beside the shear waves of a layer of some µm, 10⁸ times as fast.
-    fn bending(&self, moduli: &[f64]) -> Option<Bending> {
+    /// accurate also beside the shear waves of a layer of some µm, 10⁸ times as fast. If K is numerically singular, M is factorised.
+    ///
+    /// # Panics
+    /// If the mass is not positive definite where the stiffness is not.
+    pub fn modes(&self, moduli: &[f64]) -> Vec<LaminateMode> {
         let parts = moduli.iter().zip(&self.distortions);
         let stiffness = parts.fold(self.stiffness.clone(), |sum, (modulus, part)| sum + part * *modulus);
-        let lower = stiffness.cholesky()?.unpack();
-        let half = lower.solve_lower_triangular(&self.mass)?;
-        let SymmetricEigen { eigenvalues, eigenvectors } =
-            SymmetricEigen::new(lower.solve_lower_triangular(&half.transpose())?);
-        let shapes = lower.tr_solve_lower_triangular(&eigenvectors)?;
-        // yᵀMy = 1. Eigenvalues that are only rounding belong to waves faster than any contact.
-        let square = |wave: usize| (&self.reading * shapes.column(wave))[0].powi(2) / eigenvalues[wave];
-        let slowest = eigenvalues.imax();
-        let squared_displacement = square(slowest);
-        let is_most_excited = (0..eigenvalues.len())
-            .filter(|wave| eigenvalues[*wave] > 0.0)
-            .all(|wave| square(wave) <= squared_displacement);
-        let shape = shapes.column(slowest) / eigenvalues[slowest].sqrt();
+        let (is_stiffness_factorised, factor, other) = match stiffness.clone().cholesky() {
+            Some(factor) => (true, factor, &self.mass),
+            None => (false, self.mass.clone().cholesky().expect("all layers have mass"), &stiffness),
+        };
+        let lower = factor.unpack();
+        let reduced = |rows: &DMatrix<f64>| lower.solve_lower_triangular(rows).expect("a factor has no zeros");
+        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(reduced(&reduced(other).transpose()));
+        let shapes = lower.tr_solve_lower_triangular(&eigenvectors).expect("a factor has no zeros");
+        let least = ROUNDING * eigenvalues.amax();
+        let mode = |(&value, shape): (&f64, DVectorView<f64>)| {
+            let (frequency, shape) = match is_stiffness_factorised {
+                true if value <= least => return None,
+                true => (value.sqrt().recip(), shape / value.sqrt()),
+                false => (value.max(0.0).sqrt(), shape.into_owned()),
+            };
+            Some(LaminateMode { frequency, squared_displacement: (&self.reading * &shape)[0].powi(2), shape })
+        };
+        let mut modes: Vec<LaminateMode> = eigenvalues.iter().zip(shapes.column_iter()).filter_map(mode).collect();
+        modes.sort_by(|one, other| one.frequency.total_cmp(&other.frequency));
+        modes
+    }
+
+    /// The slowest wave, with moduli (Pa) beyond those of the stiffness; `None` if the stiffness does not resist it.
+    fn bending(&self, moduli: &[f64]) -> Option<Bending> {
+        let modes = self.modes(moduli);
+        let LaminateMode { frequency, squared_displacement, shape } =
+            modes.first().filter(|slowest| slowest.frequency > 0.0)?;
         Some(Bending {
-            frequency: eigenvalues[slowest].sqrt().recip(),
-            squared_displacement,
-            is_most_excited,
-            strains: self.distortions.iter().map(|part| shape.dot(&(part * &shape))).collect(),
+            frequency: *frequency,
+            squared_displacement: *squared_displacement,
+            is_most_excited: modes.iter().all(|mode| mode.squared_displacement <= *squared_displacement),
+            strains: self.distortions.iter().map(|part| shape.dot(&(part * shape))).collect(),
         })
     }
 }
@@ -368,6 +400,29 @@ pub(super) mod tests {
         // ω² = ξ⁴ is 0.9 S ξ² at ξ = √(0.9 S).
         let fast = BendingWaves { shear: FROM_ONE.at(7).powi(2) * 1.02 / FASTEST, ..slow };
         assert_eq!(reaches(8, wave(FROM_ONE.at(8).powi(4), 0.5), fast), Some(true));
+    }
+
+    /// A free translation, with a stiffness that is singular, has the frequency 0, and the wave beside it the same as with
+    /// a stiffness that is not.
+    #[test]
+    fn a_free_translation_has_no_frequency() {
+        let modes = |stiffness: DMatrix<f64>| {
+            let wave = LaminateWave {
+                mass: dmatrix![2.0, 0.0; 0.0, 2.0],
+                stiffness,
+                distortions: Vec::new(),
+                reading: RowDVector::from_row_slice(&[1.0, 0.0]),
+            };
+            wave.modes(&[]).iter().map(|mode| [mode.frequency, mode.squared_displacement]).collect::<Vec<_>>()
+        };
+        // The amplitudes (1, 1)/2 and (1, −1)/2 have unit modal mass. The frequencies are 0 and √(6/2), then √(2/2) and √(6/2).
+        let near = |found: &[[f64; 2]], exact: [[f64; 2]; 2]| {
+            found.iter().flatten().zip(exact.as_flattened()).all(|(found, exact)| (found - exact).abs() < 1e-7)
+        };
+        let free = modes(dmatrix![3.0, -3.0; -3.0, 3.0]);
+        assert!(near(&free, [[0.0, 0.25], [3.0_f64.sqrt(), 0.25]]), "{free:?}");
+        let held = modes(dmatrix![4.0, -2.0; -2.0, 4.0]);
+        assert!(near(&held, [[1.0, 0.25], [3.0_f64.sqrt(), 0.25]]), "{held:?}");
     }
 
     /// The slowest wave is accurate beside waves that are 10⁷ times as fast. With the inverse of the mass, rounding would be 1e-16 of the

@@ -267,11 +267,13 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     if let Some((beyond, text)) = scene.body.temperature.and_then(|temperature| extrapolated(scene, temperature)) {
         add("temperature", beyond, text);
     }
-    let shift = scene.body.composition.materials().into_iter().find_map(|material| material.shift);
-    if let (Some(shift), None) = (shift, scene.body.temperature) {
+    let shifts = scene.body.composition.materials().into_iter().filter_map(|material| material.shift);
+    let mut references: Vec<String> = shifts.map(|shift| shift.reference.to_string()).collect();
+    references.dedup();
+    if !references.is_empty() && scene.body.temperature.is_none() {
         let text = format!(
-            "without body.temperature, a material relaxes as at the reference temperature of its wlf, {} °C",
-            shift.reference
+            "body.temperature is not given: relaxation times are those at the reference temperature of wlf, {} °C",
+            references.join(" and ")
         );
         add("no temperature", 1.0, text);
     }

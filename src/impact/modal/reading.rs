@@ -122,13 +122,6 @@ impl<'a> Reader<'a> {
         self.is_here && (of_faces || self.probes.is_some() || self.fields.is_some())
     }
 
-    /// Reserves memory for some steps more.
-    pub fn reserve(&mut self, steps: usize) {
-        if let Some(faces) = self.faces.as_mut().filter(|_| self.is_here) {
-            faces.weights.reserve(steps * faces.stresses.weights());
-        }
-    }
-
     /// Reads a step, with the displacements x and velocities v of the vibrations if they are needed.
     pub fn read(&mut self, moment: &Moment, vibration: [DVectorView<'_, f64>; 2]) -> Reading {
         let mut reading = Reading::default();

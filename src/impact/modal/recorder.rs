@@ -168,9 +168,6 @@ impl<'a> Recorder<'a> {
             let states: Vec<_> = moments.iter().map(|moment| &moment.state.modes[..]).collect();
             StrainEnergies::new(&self.modes.forms, &vibrations, &states)
         });
-        if let Some(reader) = &mut self.reader {
-            reader.reserve(moments.len());
-        }
         for (k, mut moment) in moments.into_iter().enumerate() {
             let vibration = vibrations.at(k);
             if let (Some((_, balance)), Some(bent)) = (&mut self.energies, &bent) {

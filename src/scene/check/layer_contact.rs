@@ -100,9 +100,9 @@ pub(super) fn law(
     let alike = layers.iter().take_while(is_alike).count();
     let thickness: f64 = layers[..alike].iter().map(|layer| layer.thickness).sum();
     let is_narrow = || {
-        let is = |of: Indentation| plate.contact_radius(impactor, of) <= WIDEST_HERTZIAN * thickness;
-        // The limit takes much less time, and is mostly small enough.
-        is(zener::largest_indentation) || is(zener::peak_indentation)
+        let by = |indentation: Indentation| plate.contact_radius(impactor, indentation) <= WIDEST_HERTZIAN * thickness;
+        // The limit in closed form comes first: it is much quicker and usually suffices.
+        by(zener::peak_indentation_limit) || by(zener::peak_indentation)
     };
     if !is_soft && (alike == layers.len() || is_narrow()) {
         return LayerEffect::Negligible;
@@ -164,7 +164,7 @@ pub(super) fn law(
     law().map_or_else(LayerEffect::Untreated, |contact| LayerEffect::Law(Arc::new(contact)))
 }
 
-/// An indentation (m) from the stiffness of Hertz's law, the mass (kg), the speed (m/s) and the impedance (N s/m).
+/// Formula of an indentation (m) from the stiffness of Hertz's law, the mass (kg), the speed (m/s) and the impedance (N s/m).
 type Indentation = fn(f64, f64, f64, f64) -> f64;
 
 /// All layers together as a thin plate, before any relaxation.
@@ -204,9 +204,9 @@ impl Plate {
     }
 
     /// Contact radius by Hertz's law at the largest indentation without echoes, m; 0 for an impactor without a radius.
-    fn contact_radius(&self, impactor: &Impactor, largest: Indentation) -> f64 {
+    fn contact_radius(&self, impactor: &Impactor, indentation: Indentation) -> f64 {
         let Impactor { stiffness, mass, speed, radius, .. } = *impactor;
-        (radius.unwrap_or_default() * largest(stiffness, mass, speed, self.impedance())).sqrt()
+        (radius.unwrap_or_default() * indentation(stiffness, mass, speed, self.impedance())).sqrt()
     }
 
     /// Radii of the disc to try, m, ascending.

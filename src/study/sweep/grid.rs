@@ -65,9 +65,9 @@ impl Grid {
         self.variations.iter().any(|variation| variation.key == key)
     }
 
-    /// Whether a key with this beginning is varied.
-    pub fn varies_below(&self, beginning: &str) -> bool {
-        self.variations.iter().any(|variation| variation.key.starts_with(beginning))
+    /// Whether a key with this prefix is varied.
+    pub fn varies_prefix(&self, prefix: &str) -> bool {
+        self.variations.iter().any(|variation| variation.key.starts_with(prefix))
     }
 
     /// Whether the grid has no members; it always has at least one.

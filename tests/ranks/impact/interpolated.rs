@@ -19,8 +19,8 @@ fn temperatures() -> Vec<f64> {
 }
 
 /// A small pane at a temperature (°C), with its size and its impact.
-fn pane(impact: &Impact, temperature: f64) -> Scene {
-    let Impact { edge, mass, speed, end } = impact;
+fn pane(impact: &Case, temperature: f64) -> Scene {
+    let Case { edge, mass, speed, end } = impact;
     let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
     parse(&format!(
         "title = \"Laminate\"\n[body]\nsize = [{edge}, {edge}]\nmodel = \"layerwise\"\ntemperature = {temperature:e}\n{glass}\
@@ -34,7 +34,7 @@ fn pane(impact: &Impact, temperature: f64) -> Scene {
     ))
 }
 
-fn interpolated(ranks: &Comm, impact: &Impact) -> Interpolated {
+fn interpolated(ranks: &Comm, impact: &Case) -> Interpolated {
     let scene_of = |temperature: f64| Ok(pane(impact, temperature));
     let alone = ranks.session().alone();
     let (values, watch) = (temperatures(), &Unwatched(&alone));
@@ -42,8 +42,8 @@ fn interpolated(ranks: &Comm, impact: &Impact) -> Interpolated {
     Interpolated::new(ranks, &values, &scene_of, start, watch).unwrap().expect("few bodies")
 }
 
-/// Size of the pane and its impact.
-struct Impact {
+/// A pane with its impact.
+struct Case {
     /// Length of the pane's edges, m.
     edge: f64,
     /// Mass of the impactor, kg.
@@ -54,21 +54,21 @@ struct Impact {
     end: f64,
 }
 
-/// In the slow contact of the second one, the vibrations with large weights alone are not an accurate common basis.
-const IMPACTS: [Impact; 2] =
-    [Impact { edge: 0.3, mass: 2.0, speed: 1.0, end: 6e-4 }, Impact { edge: 0.2, mass: 5.0, speed: 0.1, end: 2e-3 }];
+/// The second contact is slow: the directions with large weights alone are not an accurate common basis.
+const CASES: [Case; 2] =
+    [Case { edge: 0.3, mass: 2.0, speed: 1.0, end: 6e-4 }, Case { edge: 0.2, mass: 5.0, speed: 0.1, end: 2e-3 }];
 
 /// At temperatures between the computed bodies, the force is compared with the force for the body there, on the same
 /// basis. The difference is within the interpolation's estimate, and is not negligible compared with it. A single rank
 /// gives the same result to the last digit.
 fn what_is_interpolated_is_within_its_part_of_the_estimate(session: &Session) {
     let (ranks, alone) = (session.world(), session.alone());
-    for impact in &IMPACTS {
+    for impact in &CASES {
         is_within_its_part_of_the_estimate([&ranks, &alone], impact);
     }
 }
 
-fn is_within_its_part_of_the_estimate([ranks, alone]: [&Comm; 2], impact: &Impact) {
+fn is_within_its_part_of_the_estimate([ranks, alone]: [&Comm; 2], impact: &Case) {
     let watch = &Unwatched(alone);
     let [together, by_itself] = [ranks, alone].map(|ranks| interpolated(ranks, impact));
     let mut largest = 0.0_f64;

@@ -84,14 +84,14 @@ struct OfStep<'a, F> {
 pub struct Searched {
     /// Largest tension on each face, step by step.
     pub steps: Vec<Vec<FaceTension>>,
-    /// Largest tensions over the steps, for each face; none if only the largest of all steps was searched.
+    /// Largest tensions over the steps, for each face; empty if only the largest of all steps was searched.
     peaks: Vec<Peaks>,
     /// Number of points of each face.
     counts: Vec<usize>,
 }
 
 impl Searched {
-    /// Largest tension over all steps at each point; empty if only the largest of all points was searched. `times` are
+    /// Largest tension over all steps at each point; empty if only the largest of all steps was searched. `times` are
     /// the times of the steps, s.
     pub fn map(&self, times: &[f64]) -> TensionMap {
         let (mut tension, mut time) = (Vec::new(), Vec::new());
@@ -277,7 +277,7 @@ struct Finding<'a> {
     search: &'a TensionSearch<'a>,
     contacts: &'a [ContactNow],
     steps: Vec<Vec<FaceTension>>,
-    /// Largest tensions over the steps, for each face; none if only the largest of all steps is needed.
+    /// Largest tensions over the steps, for each face; empty if only the largest of all steps is needed.
     peaks: Vec<Peaks>,
     seen: Seen,
     /// Smallest tension of interest, Pa, if only the largest of all steps is needed; and the largest tension so far.

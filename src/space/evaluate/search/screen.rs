@@ -2,8 +2,8 @@
 //! points.
 //!
 //! Steps are short because of the contact force, which varies faster in time than the body. Points are closer than the
-//! wavelengths, except near the impact point. So the tensions are first evaluated at every few steps, and where the
-//! contact force is largest, on every other line of a face. All points are then searched only in the steps between two
+//! wavelengths, except near the impact point. So the tensions are first evaluated on every other line of a face, at every
+//! few steps and at the peaks of the contact force. All points are then searched only in the steps between two
 //! such steps, if one of these is near the highest tension.
 
 use super::local::LocalRows;
@@ -12,11 +12,14 @@ use super::seen::{Seen, Wanted};
 use super::{BLOCK, ContactNow, Coordinates};
 use crate::space::evaluate::Face;
 
-/// Interval of steps at which tensions are evaluated, except where they are low at every other of these steps.
+/// Interval of steps at which tensions are evaluated where they are high. Where they are low it is twice as long.
 const STRIDE: usize = 4;
 
 /// Assumed upper limit of the ratio of a tension to the tensions at the neighbouring steps and points. An estimate.
 const BETWEEN: f64 = 1.2;
+
+/// The same between steps at twice the interval: for a sine that loses a factor of 1.2 within half of the distance.
+const BETWEEN_COARSE: f64 = 2.6;
 
 /// Smallest number of steps for which the selection saves time.
 const MANY: usize = 64;
@@ -74,22 +77,21 @@ impl Screen {
             return None;
         }
         let last = contacts.len() - 1;
-        let is_of_largest_force = |step: usize| {
+        let is_peak_of_force = |step: usize| {
             let [before, now, after] = [step.saturating_sub(1), step, last.min(step + 1)].map(|at| contacts[at].force);
             now > 0.0 && now >= before && now >= after
         };
-        let is_in_coarse =
-            |step: &usize| step.is_multiple_of(2 * STRIDE) || *step == last || is_of_largest_force(*step);
-        let coarse: Vec<usize> = (0..=last).filter(is_in_coarse).collect();
-        let mut looked_at = self.tops(&coarse, coordinates, contacts)?;
-        // Twice the interval has the factor twice.
-        let high = intervals(&looked_at, level_of(&looked_at, least) / BETWEEN)
+        let is_coarse = |step: &usize| step.is_multiple_of(2 * STRIDE) || *step == last || is_peak_of_force(*step);
+        let coarse: Vec<usize> = (0..=last).filter(is_coarse).collect();
+        let mut evaluated = self.largest_tensions(&coarse, coordinates, contacts)?;
+        let high = intervals(&evaluated, level(&evaluated, least) / BETWEEN_COARSE)
             .filter(|ends| ends[1].step - ends[0].step > STRIDE);
         let middles: Vec<usize> = high.map(|ends| ends[0].step + STRIDE).collect();
-        looked_at.extend(self.tops(&middles, coordinates, contacts)?);
-        looked_at.sort_unstable_by_key(|of_step| of_step.step);
-        let mut high: Vec<usize> =
-            intervals(&looked_at, level_of(&looked_at, least)).flat_map(|ends| ends[0].step..=ends[1].step).collect();
+        evaluated.extend(self.largest_tensions(&middles, coordinates, contacts)?);
+        evaluated.sort_unstable_by_key(|of_step| of_step.step);
+        let mut high: Vec<usize> = intervals(&evaluated, level(&evaluated, least) / BETWEEN)
+            .flat_map(|ends| ends[0].step..=ends[1].step)
+            .collect();
         high.dedup();
         let points = self.rows.points();
         tracing::debug!(
@@ -103,10 +105,15 @@ impl Screen {
     }
 
     /// Largest tension at each of some steps; `None` if one of them is not finite.
-    fn tops(&self, steps: &[usize], coordinates: Coordinates, contacts: &[ContactNow]) -> Option<Vec<Top>> {
+    fn largest_tensions(
+        &self,
+        steps: &[usize],
+        coordinates: Coordinates,
+        contacts: &[ContactNow],
+    ) -> Option<Vec<StepTension>> {
         let count = self.rows.count;
         let of_steps = coordinates.of(steps, count);
-        let (mut seen, mut tops) = (Seen::default(), Vec::with_capacity(steps.len()));
+        let (mut seen, mut tensions) = (Seen::default(), Vec::with_capacity(steps.len()));
         let mut columns = Vec::new();
         for (steps, coordinates) in steps.chunks(BLOCK).zip(of_steps.chunks(BLOCK * count)) {
             let sizes = self.rows.of_steps(coordinates, &mut columns);
@@ -118,27 +125,27 @@ impl Screen {
                 });
                 // If the size is zero, as at rest, single precision gives no information.
                 let top = faces.fold(f64::NEG_INFINITY, f64::max);
-                tops.push(Top { step, top: if size > f64::MIN_POSITIVE { top } else { 0.0 } });
+                tensions.push(StepTension { step, tension: if size > f64::MIN_POSITIVE { top } else { 0.0 } });
             }
         }
-        tops.iter().all(|of_step| of_step.top.is_finite()).then_some(tops)
+        tensions.iter().all(|of_step| of_step.tension.is_finite()).then_some(tensions)
     }
 }
 
 /// Largest tension at a step, Pa.
-struct Top {
+struct StepTension {
     step: usize,
-    top: f64,
+    tension: f64,
 }
 
-/// Tension at a step below which those at its neighbours are below both the largest one and `least`, Pa.
-fn level_of(tops: &[Top], least: f64) -> f64 {
-    tops.iter().map(|of_step| of_step.top).fold(0.0, f64::max).min(least) / BETWEEN
+/// Smallest tension of interest: the largest one found so far, or `least` if that is lower, Pa.
+fn level(tensions: &[StepTension], least: f64) -> f64 {
+    tensions.iter().map(|of_step| of_step.tension).fold(0.0, f64::max).min(least)
 }
 
-/// Neighbouring steps of which one has at least the tension `level`, Pa.
-fn intervals(tops: &[Top], level: f64) -> impl Iterator<Item = &[Top]> {
-    tops.windows(2).filter(move |ends| ends[0].top.max(ends[1].top) >= level)
+/// Intervals between consecutive evaluated steps with at least the tension `level` (Pa) at one end.
+fn intervals(tensions: &[StepTension], level: f64) -> impl Iterator<Item = &[StepTension]> {
+    tensions.windows(2).filter(move |ends| ends[0].tension.max(ends[1].tension) >= level)
 }
 
 /// Numbers of the selected points of a face, ascending.

@@ -248,6 +248,42 @@ fn some_steps_of_a_smooth_history_are_searched() {
     assert!(searched < found.len() / 3, "{searched}");
 }
 
+/// A short maximum of the vibration and a short contact, both late and between the steps that are looked at first, are
+/// found: the largest tension of all steps, and the first one above a smallest tension of interest.
+#[test]
+fn short_maxima_between_the_first_steps_are_found() {
+    let (faces, rows) = plate();
+    let count = 400_usize;
+    let near = |step: usize, middle: f64, width: f64| ((step as f64 - middle) / width).powi(2);
+    for (of_vibration, of_force) in [(1.0, 0.0), (0.05, 1e9), (1.0, 3e8)] {
+        // The largest step is halfway between multiples of eight, and 1.2 times the one four steps away.
+        let size = |step: usize| of_vibration * (0.1 + (-near(step, 212.0, 9.4)).exp());
+        let of_step = |step: usize| (0..COUNT).map(move |i| size(step) * (i as f64).sin() / (1.0 + i as f64).powi(2));
+        let coordinates: Vec<f64> = (0..count).flat_map(of_step).collect();
+        let force = |step: usize| of_force * (1.0 - near(step, 101.0, 3.0)).max(0.0);
+        let contacts: Vec<ContactNow> =
+            (0..count).map(|step| ContactNow { force: force(step), radius: 0.02 }).collect();
+        let all = TensionSearch::new(&faces, COUNT, rows.clone()).expect("faces of a box");
+        let all = all.tensions(&coordinates, &contacts, None);
+        let on_basis = TensionSearch::on_basis(&faces).expect("a basis");
+        let largest_of = |searched: &Searched| -> Vec<f64> {
+            let each =
+                searched.steps.iter().map(|faces| faces.iter().map(|face| face.largest).fold(f64::NAN, f64::max));
+            each.collect()
+        };
+        let all = largest_of(&all);
+        let largest = all.iter().copied().fold(0.0, f64::max);
+        for least in [f64::INFINITY, 0.7 * largest] {
+            let found = largest_of(&on_basis.tensions(&coordinates, &contacts, Some(least)));
+            let first = |tensions: &[f64], level: f64| tensions.iter().position(|tension| *tension >= level);
+            assert_eq!(first(&found, largest), first(&all, largest), "{of_vibration} {of_force}");
+            assert_eq!(first(&found, least), first(&all, least), "{of_vibration} {of_force}");
+            let searched = found.iter().filter(|tension| !tension.is_nan()).count();
+            assert!(searched < count / 4, "{searched}");
+        }
+    }
+}
+
 /// The map holds at each point the maximum over all steps in double precision, with its time. Its largest value is the
 /// largest of all steps.
 #[test]

@@ -6,14 +6,15 @@ use serde::{Deserialize, Serialize};
 use super::Node;
 use super::between;
 use crate::body::{
-    Assembled, Columns, DiagonalSymmetry, Interpolant, ModalBody, Noticeable, Response, excited, main_directions,
-    orthonormal_basis, project, snapshots,
+    Assembled, Columns, DiagonalSymmetry, Interpolant, LinearBody as _, ModalBody, Noticeable, Response, excited,
+    extend_orthonormal, main_directions, project, snapshots,
 };
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, Readout, Steps, Trace};
 use crate::model::watch::Watch;
 use crate::model::{
-    Built, CellSize, Gauges, Operators, build, cell_size, evaluator_of_layers, layers_for_products, rate, reduce_from,
+    Built, CellSize, Gauges, Operators, build, cell_size, layerwise_evaluator, layerwise_for_products, rate,
+    reduce_from,
 };
 use crate::scene::{Body, Scene};
 
@@ -63,7 +64,7 @@ pub struct SharedBasis {
     /// Map from that part to the whole body, if the part is not the whole.
     exchange: Option<DiagonalSymmetry>,
     /// Basis vectors of the whole body.
-    whole: Columns,
+    pub whole_basis: Columns,
     /// Number of unknowns of the whole bodies.
     pub unknowns: usize,
     /// Time steps in which all forces are compared.
@@ -121,14 +122,25 @@ impl Sample {
         Ok(ModalImpact::new(&self.scene, &self.own).trace(None)?.1)
     }
 
-    /// The main vibration vectors of several samples, orthonormal in this body's mass matrix, one after another. They
-    /// are kept down to a weight of `depth` relative to the largest.
-    pub fn common_basis(&self, all: &[SampleNumbers], depth: f64) -> Result<Vec<f64>> {
+    /// The main vibration vectors of several samples, in descending order of their weights in this body's mass matrix.
+    /// `weights` are relative to the largest, in descending order: also returns the number of vectors down to each.
+    pub fn main_directions<const N: usize>(
+        &self,
+        all: &[SampleNumbers],
+        weights: [f64; N],
+    ) -> Result<(Columns, [usize; N])> {
         let body = excited(self.body.linear());
         let unknowns = body.unknowns();
         let pool = columns(unknowns, all.iter().flat_map(|sample| sample.vibrations.chunks_exact(unknowns)));
-        let (directions, vectors) = main_directions(body, &pool, depth)?;
-        Ok(orthonormal_basis(body, &directions.range(0..vectors))?.iter().flatten().copied().collect())
+        main_directions(body, &pool, weights)
+    }
+
+    /// Vectors, one after another, by which some directions extend a basis that is orthonormal in this body's mass
+    /// matrix.
+    pub fn extension(&self, basis: &Columns, directions: &Columns) -> Result<Vec<f64>> {
+        let mut extended = basis.range(0..basis.count());
+        extend_orthonormal(excited(self.body.linear()), &mut extended, directions)?;
+        Ok(extended.iter().skip(basis.count()).flatten().copied().collect())
     }
 
     /// Difference of the force on the shared basis from the force on the body's own basis.
@@ -146,30 +158,40 @@ fn columns<'a>(length: usize, vectors: impl Iterator<Item = &'a [f64]>) -> Colum
     all
 }
 
-/// Maps vectors of the excited part of a body to the whole.
-fn whole(vectors: &Columns, exchange: Option<&DiagonalSymmetry>) -> Vec<Vec<f64>> {
-    vectors.iter().map(|vector| exchange.map_or_else(|| vector.to_vec(), |exchange| exchange.whole(vector))).collect()
-}
-
 impl SharedBasis {
-    /// Makes the basis from vectors that are stored one after another, for bodies like a scene's.
-    pub fn new(cells: Cells, vectors: &[f64], scene: &Scene, steps: Steps, watch: &dyn Watch) -> Result<Self> {
+    /// An empty basis for bodies like a scene's.
+    pub fn new(cells: Cells, scene: &Scene, steps: Steps, watch: &dyn Watch) -> Result<Self> {
         let body = cells.built(scene, watch)?.body;
-        let length = excited(body.linear()).unknowns();
-        let basis = columns(length, vectors.chunks_exact(length));
-        let (exchange, unknowns) = (body.linear().exchange().cloned(), body.linear().unknowns());
-        let whole = columns(unknowns, whole(&basis, exchange.as_ref()).iter().map(Vec::as_slice));
-        Ok(Self { cells, basis, exchange, whole, unknowns, steps })
+        let body = body.linear();
+        Ok(Self {
+            cells,
+            basis: Columns::new(excited(body).unknowns(), None),
+            exchange: body.exchange().cloned(),
+            whole_basis: Columns::new(body.unknowns(), None),
+            unknowns: body.unknowns(),
+            steps,
+        })
+    }
+
+    /// Adds vectors of the excited part, which are stored one after another.
+    pub fn extend(&mut self, vectors: &[f64]) {
+        let more = columns(self.basis.rows(), vectors.chunks_exact(self.basis.rows()));
+        self.whole_basis.append(columns(self.unknowns, self.whole(&more).iter().map(Vec::as_slice)));
+        self.basis.append(more);
     }
 
     /// Maps vectors of the excited part to the whole body.
     pub fn whole(&self, vectors: &Columns) -> Vec<Vec<f64>> {
-        whole(vectors, self.exchange.as_ref())
+        let whole = |vector: &[f64]| match &self.exchange {
+            Some(exchange) => exchange.whole(vector),
+            None => vector.to_vec(),
+        };
+        vectors.iter().map(whole).collect()
     }
 
     /// Readout of the stresses on faces of a scene's body, in the coordinates of the given vectors.
     pub fn readout(&self, scene: &Scene, vectors: Vec<Vec<f64>>) -> Result<Readout> {
-        let evaluator = evaluator_of_layers(scene, self.cells.size)?;
+        let evaluator = layerwise_evaluator(scene, self.cells.size)?;
         Ok(Gauges::new(&self.cells.comm, scene, Some(evaluator), self.unknowns, Some(vectors))?.readout)
     }
 
@@ -182,11 +204,11 @@ impl SharedBasis {
         is_geometric: bool,
         watch: &dyn Watch,
     ) -> Result<Made> {
-        let body = layers_for_products(&self.cells.comm, scene, self.cells.size, watch)?;
-        if body.linear().unknowns() != self.unknowns {
-            return Err(Error::Solve("the body has other cells than the others".into()));
+        let body = layerwise_for_products(scene, self.cells.size, watch)?;
+        if body.unknowns() != self.unknowns {
+            return Err(Error::Solve("the meshes of the bodies differ".into()));
         }
-        let projection = project(body.linear(), &self.whole, rate(scene))?;
+        let projection = project(&body, &self.whole_basis, rate(scene))?;
         let modal = ModalBody::of(&projection);
         let mut impact = ModalImpact::new(scene, &modal).without_energies();
         let (exact, _) = impact.trace(Some(self.steps))?;

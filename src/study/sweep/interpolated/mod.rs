@@ -32,9 +32,9 @@ const FIRST_INTERVALS: usize = 4;
 /// Largest number of bodies.
 const MAX_BODIES: usize = 65;
 
-/// Smallest weight of the directions kept in the basis, relative to the tolerance: first the largest, then smaller ones
-/// until the basis is accurate. The slower the contact, the fewer directions have large weights.
-const DEPTHS: [f64; 3] = [0.03, 0.01, 0.003];
+/// Weights below which directions are left out of the basis, relative to the tolerance. They are tried in this order until
+/// the basis is accurate. The slower the contact, the fewer directions have large weights.
+const SMALLEST_WEIGHTS: [f64; 3] = [0.03, 0.01, 0.003];
 
 /// Share of the tolerance for the interpolation error.
 const INTERPOLATION_SHARE: f64 = 0.3;
@@ -121,14 +121,15 @@ impl Interval {
 }
 
 /// Whether bodies of a scene may be interpolated: layerwise plates of several layers that start at rest, without loads,
-/// pads and energy gate, in adaptive time steps.
+/// pads and energy gate, in modal coordinates and adaptive time steps.
 pub fn admits(scene: &Scene) -> bool {
     let is_moved = scene.load != Load::default() || scene.supports.iter().any(|one| one.displacement != [0.0; 3]);
     let is_layerwise = scene.body.model == Model::Layerwise && scene.body.composition.uniform().is_none();
     let is_free = scene.time.initial == Initial::Rest && scene.time.step.is_none() && !is_moved;
+    let is_modal = scene.time.modal && scene.is_reduced();
     // These bodies have no energies.
     let is_gated = scene.solver.energy_gate.is_some();
-    is_layerwise && is_free && !is_gated && !scene.is_on_pads()
+    is_layerwise && is_free && is_modal && !is_gated && !scene.is_on_pads()
 }
 
 impl Start {
@@ -276,7 +277,7 @@ impl Interpolated {
         let scene = &nodes[nodes.len() / 2].scene;
         let count = shared.basis.count();
         let (shapes, parts) = decided(ranks, || {
-            let vectors = shared.whole(&shared.basis);
+            let vectors = shared.whole_basis.whole(count);
             let stresses = match scene.output.stress {
                 true => shared.readout(scene, vectors)?.faces.and_then(|faces| squares(&faces)),
                 false => None,
@@ -383,13 +384,27 @@ fn shared_basis(
     })?;
     let Some(steps) = steps[BASIS] else { return Ok(None) };
     let scene = scene(0)?;
-    for depth in DEPTHS.map(|depth| depth * scene.tolerance) {
-        // Sample 0 is on rank 0.
-        let made = || samples[0].as_ref().map(|sample| sample.common_basis(&numbers, depth)).transpose();
-        let Some(vectors) = decided(ranks, made)? else { return Ok(None) };
-        let shared = SharedBasis::new(cells.clone(), &vectors, &scene, steps, watch);
-        // One rank may be interrupted before the others.
-        let shared = agree(ranks, shared.map_err(|error| error.of_all_ranks().as_told()))?;
+    // Sample 0 is on rank 0.
+    let weights = SMALLEST_WEIGHTS.map(|weight| weight * scene.tolerance);
+    let mut directions = None;
+    let counts = decided(ranks, || {
+        let Some(sample) = &samples[0] else { return Ok(None) };
+        let (columns, counts) = sample.main_directions(&numbers, weights)?;
+        directions = Some(columns);
+        Ok(Some(counts))
+    })?;
+    let shared = SharedBasis::new(cells.clone(), &scene, steps, watch);
+    // One rank may be interrupted before the others.
+    let mut shared = agree(ranks, shared.map_err(|error| error.of_all_ranks().as_told()))?;
+    for count in counts.into_iter().flatten() {
+        if count == shared.basis.count() {
+            continue;
+        }
+        let more = decided(ranks, || match (&samples[0], &directions) {
+            (Some(sample), Some(all)) => sample.extension(&shared.basis, &all.range(shared.basis.count()..count)),
+            _ => Ok(Vec::new()),
+        })?;
+        shared.extend(&more);
         let off = spread(ranks, places.len(), |k| match &samples[k] {
             Some(sample) if k >= BASIS => sample.off(&shared),
             _ => Ok(Errors::default()),
