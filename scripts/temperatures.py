@@ -60,7 +60,7 @@ def row(program, out, number, pane):
     with h5py.File(result) as file:
         members = {name: file["members"][name][:] for name in ("vary/body.temperature", "largest_stress", "first_contact_error")}
         # The contacts are listed member by member.
-        contacts = file["members/contacts"][:]
+        contacts = file["members/contacts"][:].astype(int)
         peaks = file["contacts/peak_force"][:][np.cumsum(contacts) - contacts]
     of_peak, of_tension, estimates = [], [], []
     for degrees in COMPARED_TEMPERATURES:
