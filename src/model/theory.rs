@@ -183,6 +183,7 @@ pub fn layerwise_for_products(scene: &Scene, size: f64, watch: &dyn Watch) -> Re
     watch.at(Stage::Assembly { theory: Model::Layerwise, seconds: 0.0 })?;
     let theory = layerwise(scene);
     let Plate { mut system, points, .. } = Plate::for_products(scene, theory, &plate_settings(scene, theory, size)?)?;
+    // For the stresses opposite the impact point.
     evaluator_of_grid(scene, points, &mut system);
     Ok(LocalBody::new(system))
 }

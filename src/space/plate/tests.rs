@@ -1,0 +1,120 @@
+//! Tests of a plate's matrices against exact energies, and against its products.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::*;
+use crate::form::plate::rotation;
+
+/// Checks the stiffness of springs against a rotation of all layers, which is the sum over the layers; the mass;
+/// and the instantaneous stiffness of viscoelastic layers.
+#[test]
+fn layers_have_the_sums_of_their_parts() {
+    let scene = |interlayer: &str, layers: [f64; 3]| {
+        let layer = |(thickness, material): (f64, &str)| {
+            format!("[[body.layer]]\nthickness = {thickness}\nmaterial = \"{material}\"\n")
+        };
+        let layers: String = layers.into_iter().zip(["glass", "soft", "glass"]).map(layer).collect();
+        let text = format!(
+            "[body]\nsize = [0.6, 0.4]\nsymmetry = \"none\"\n{layers}\
+             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n[material.soft]\ndensity = 1100.0\nbulk = 2e9\n{interlayer}\n\
+             [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n\
+             [[support]]\nsurface = \"x-min\"\nkind = \"elastic\"\nstiffness = [2e9, 3e9, 0]\n"
+        );
+        Scene::parse("test", &text, &[]).expect("a scene").0
+    };
+    let settings = Settings { cell_size_factor: 2.4, ..Settings::default() };
+    let plate = |scene: &Scene| Plate::new(scene, PlateTheory::Layerwise, &settings).expect("a plate");
+    let energy = |matrix: &CsrMatrix<f64>, u: &[f64]| -> f64 {
+        matrix.triplet_iter().map(|(i, j, value)| u[i] * value * u[j]).sum()
+    };
+    for layers in [[0.013, 0.004, 0.013], [0.018, 0.004, 0.008]] {
+        let chain = "shear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }, { modulus = 6e7, time = 2e-4 }]";
+        let relaxing = plate(&scene(chain, layers));
+        let [(distortion, chain)] = &relaxing.system.relaxations[..] else { panic!("one relaxation") };
+        let laminate = relaxing.laminate.as_ref().expect("layers");
+        // The shear strains must be those for the modulus at the contact time.
+        let [stiff, soft] = [chain.instantaneous(), chain.equilibrium].map(|shear| {
+            let elastic = plate(&scene(&format!("shear = {shear:e}"), layers)).laminate.expect("layers");
+            relaxing.points.tensor.matrix(&elastic.with_theory_of(laminate).elastic())
+        });
+        let profile = &laminate.profile;
+        let tensor = &relaxing.points.tensor;
+        for axis in 0..2 {
+            let mut turned = vec![0.0; tensor.unknowns()];
+            for layer in 0..3 {
+                let field = crate::form::layerwise::rotation(profile.group_of(layer), axis, [0, 0]).field;
+                turned.iter_mut().zip(tensor.one(field)).for_each(|(u, one)| *u = f64::max(*u, one));
+            }
+            let k = [2e9, 3e9][axis];
+            let sum = energy(relaxing.system.support.as_ref().expect("springs"), &turned);
+            let exact = k * 0.03_f64.powi(3) / 12.0 * 0.4;
+            // Rounding error of some hundred points.
+            assert!((sum / exact - 1.0).abs() < 1e-12, "{layers:?} {axis}: {sum} {exact}");
+        }
+        let translation = &relaxing.system.translation;
+        let mass = energy(&relaxing.system.mass, translation);
+        let exact = 0.6 * 0.4 * (2500.0 * 0.026 + 1100.0 * 0.004);
+        assert!((mass / exact - 1.0).abs() < 1e-12 && energy(distortion, translation).abs() < 1e-12);
+        let u: Vec<f64> = (0..translation.len()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
+        let relaxed = energy(&relaxing.system.elastic, &u);
+        // Rounding error of converting E and ν to G and K.
+        assert!((relaxed / energy(&soft, &u) - 1.0).abs() < 1e-9, "{relaxed} {}", energy(&soft, &u));
+        let whole = relaxed + (chain.instantaneous() - chain.equilibrium) * energy(distortion, &u);
+        assert!((whole / energy(&stiff, &u) - 1.0).abs() < 1e-9, "{whole} {}", energy(&stiff, &u));
+    }
+}
+
+/// A plate stored as products has the same operators as one stored as matrices.
+#[test]
+fn products_match_the_matrices() {
+    // A quarter, a square, and four classes of motions.
+    for (width, point) in [(0.2, [0.0; 2]), (0.3, [0.0; 2]), (0.2, [0.04, 0.02])] {
+        let text = format!(
+            "[body]\nsize = [0.3, {width}]\n[[body.layer]]\nthickness = 0.004\nmaterial = \"glass\"\n\
+         [[body.layer]]\nthickness = 0.001\nmaterial = \"soft\"\n[[body.layer]]\nthickness = 0.006\nmaterial = \"glass\"\n\
+         [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+         [material.soft]\ndensity = 1100.0\nbulk = 2e9\nshear = 1e6\nprony = [{{ modulus = 4e7, time = 1e-4 }}]\n\
+         [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e8\nspeed = 1.0\npoint = {point:?}\n[time]\nend = 1e-3\n"
+        );
+        let (scene, _) = Scene::parse("test", &text, &[]).expect("a scene");
+        let settings = Settings { cell_size_factor: 2.4, ..Settings::default() };
+        let system = |plate: Result<Plate>| plate.expect("a plate").system;
+        let whole = system(Plate::new(&scene, PlateTheory::Layerwise, &settings));
+        let products = system(Plate::for_products(&scene, PlateTheory::Layerwise, &settings));
+        let matrices = [
+            (Operator::Mass, &whole.mass),
+            (Operator::Elastic, &whole.elastic),
+            (Operator::Distortion(0), &whole.relaxations[0].0),
+        ];
+        assert_eq!(products.factorised.len(), matrices.len());
+        let u: Vec<f64> = (0..whole.load.len()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
+        for (operator, matrix) in matrices {
+            let factorised = products.factorised.iter().find(|(of, _)| *of == operator).expect("a product");
+            let (all, product) = (matrix * DMatrix::from_column_slice(u.len(), 1, &u), factorised.1.multiply(&u));
+            let off = (all.column(0) - DVector::from_column_slice(&product)).amax();
+            // Rounding errors of some hundred terms, of which the largest exceed the sums.
+            assert!(off <= 1e-11 * all.amax(), "{operator:?}: {off:e} of {:e}", all.amax());
+        }
+        assert_eq!(products.mass.nnz() + products.elastic.nnz() + products.relaxations[0].0.nnz(), 0);
+    }
+}
+
+/// Stiffness of springs along the sides against a rotation of Mindlin's whole plate along one axis: k h³/12 per
+/// unit of length.
+#[test]
+fn springs_resist_rotations() {
+    let text = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.6, 0.4, 0.03]\nsymmetry = \"none\"\n\
+                [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n\
+                [[support]]\nsurface = \"x-min\"\nkind = \"elastic\"\nstiffness = [2e9, 3e9, 0]\n\
+                [[support]]\nsurface = \"y-max\"\nkind = \"elastic\"\nstiffness = [2e9, 3e9, 0]\n";
+    let scene = Scene::parse("test", text, &[]).expect("a scene").0;
+    let plate = Plate::new(&scene, PlateTheory::Mindlin, &Settings::default()).expect("a plate");
+    let support = plate.system.support.expect("springs");
+    for (axis, k) in [2e9, 3e9].into_iter().enumerate() {
+        let one = plate.points.tensor.one(rotation(axis, [0, 0]).field);
+        let sum: f64 = support.triplet_iter().map(|(i, j, value)| one[i] * value * one[j]).sum();
+        let exact = k * 0.03_f64.powi(3) / 12.0 * (0.4 + 0.6);
+        // Rounding error of some hundred points.
+        assert!((sum / exact - 1.0).abs() < 1e-12, "{sum} {exact}");
+    }
+}
