@@ -55,6 +55,8 @@ impl CommonBasis {
     /// If a PETSc call fails.
     pub fn new(ends: [(f64, &dyn LinearBody); 2], all: &Columns, depth: f64, rate: f64) -> Result<Self> {
         let [(from, body), (to, other)] = ends;
+        // Rounding limits the depth of the larger basis. The basis has fewer vectors at any tolerance, so that the two differ.
+        let depth = depth.max(ROUNDING / DEPTH_OF_LARGER);
         let (directions, [vectors, _]) = main_directions(body, all, [depth, DEPTH_OF_LARGER * depth])?;
         let mut basis = directions.zeros(0);
         extend_orthonormal(body, &mut basis, &directions)?;

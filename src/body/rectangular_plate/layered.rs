@@ -23,7 +23,7 @@ const CHANGE: f64 = 1e-7;
 /// Largest m ω²/(S ξ²) of a wave. In the equivalent Mindlin plate, waves are slower than the shear waves of the plies.
 const FASTEST: f64 = 0.9;
 
-/// Eigenvalues 1/ω² below this fraction of the largest one are rounding errors and are left out.
+/// Eigenvalues below this fraction of the largest one are rounding errors. Such 1/ω² are left out, and such ω² are 0.
 const ROUNDING: f64 = 1e-14;
 
 /// Number of entries of the table between which a cubic interpolates.
@@ -238,8 +238,8 @@ pub struct LaminateMode {
 }
 
 impl LaminateWave {
-    /// The waves with moduli (Pa) beyond those of the stiffness, the slowest first. Waves that are much faster than the
-    /// slowest one may be missing.
+    /// The waves with moduli (Pa) beyond those of the stiffness, the slowest first. Waves that are more than 10⁷
+    /// times as fast as the slowest one are left out.
     ///
     /// With K = L Lᵀ and y = L⁻ᵀ x, the matrix L⁻¹ M L⁻ᵀ has the eigenvalues 1/ω². Its largest ones belong to the slowest waves, which are therefore
     /// accurate also beside the shear waves of a layer of some µm, 10⁸ times as fast. If K is numerically singular, M is factorised.
@@ -262,7 +262,8 @@ impl LaminateWave {
             let (frequency, shape) = match is_stiffness_factorised {
                 true if value <= least => return None,
                 true => (value.sqrt().recip(), shape / value.sqrt()),
-                false => (value.max(0.0).sqrt(), shape.into_owned()),
+                false if value <= least => (0.0, shape.into_owned()),
+                false => (value.sqrt(), shape.into_owned()),
             };
             Some(LaminateMode { frequency, squared_displacement: (&self.reading * &shape)[0].powi(2), shape })
         };
@@ -421,6 +422,7 @@ pub(super) mod tests {
         };
         let free = modes(dmatrix![3.0, -3.0; -3.0, 3.0]);
         assert!(near(&free, [[0.0, 0.25], [3.0_f64.sqrt(), 0.25]]), "{free:?}");
+        assert_eq!(free[0][0], 0.0);
         let held = modes(dmatrix![4.0, -2.0; -2.0, 4.0]);
         assert!(near(&held, [[1.0, 0.25], [3.0_f64.sqrt(), 0.25]]), "{held:?}");
     }

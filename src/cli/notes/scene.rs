@@ -268,8 +268,10 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
         add("temperature", beyond, text);
     }
     let shifts = scene.body.composition.materials().into_iter().filter_map(|material| material.shift);
-    let mut references: Vec<String> = shifts.map(|shift| shift.reference.to_string()).collect();
+    let mut references: Vec<f64> = shifts.map(|shift| shift.reference).collect();
+    references.sort_unstable_by(f64::total_cmp);
     references.dedup();
+    let references: Vec<String> = references.iter().map(f64::to_string).collect();
     if !references.is_empty() && scene.body.temperature.is_none() {
         let text = format!(
             "body.temperature is not given: relaxation times are those at the reference temperature of wlf, {} °C",

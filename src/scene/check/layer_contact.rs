@@ -100,9 +100,11 @@ pub(super) fn law(
     let alike = layers.iter().take_while(is_alike).count();
     let thickness: f64 = layers[..alike].iter().map(|layer| layer.thickness).sum();
     let is_narrow = || {
-        let by = |indentation: Indentation| plate.contact_radius(impactor, indentation) <= WIDEST_HERTZIAN * thickness;
+        let is_narrow_by = |indentation: IndentationFormula| {
+            plate.contact_radius(impactor, indentation) <= WIDEST_HERTZIAN * thickness
+        };
         // The limit in closed form comes first: it is much quicker and usually suffices.
-        by(zener::peak_indentation_limit) || by(zener::peak_indentation)
+        is_narrow_by(zener::peak_indentation_limit) || is_narrow_by(zener::peak_indentation)
     };
     if !is_soft && (alike == layers.len() || is_narrow()) {
         return LayerEffect::Negligible;
@@ -165,7 +167,7 @@ pub(super) fn law(
 }
 
 /// Formula of an indentation (m) from the stiffness of Hertz's law, the mass (kg), the speed (m/s) and the impedance (N s/m).
-type Indentation = fn(f64, f64, f64, f64) -> f64;
+type IndentationFormula = fn(f64, f64, f64, f64) -> f64;
 
 /// All layers together as a thin plate, before any relaxation.
 struct Plate {
@@ -204,7 +206,7 @@ impl Plate {
     }
 
     /// Contact radius by Hertz's law at the largest indentation without echoes, m; 0 for an impactor without a radius.
-    fn contact_radius(&self, impactor: &Impactor, indentation: Indentation) -> f64 {
+    fn contact_radius(&self, impactor: &Impactor, indentation: IndentationFormula) -> f64 {
         let Impactor { stiffness, mass, speed, radius, .. } = *impactor;
         (radius.unwrap_or_default() * indentation(stiffness, mass, speed, self.impedance())).sqrt()
     }

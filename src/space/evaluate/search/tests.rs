@@ -1,5 +1,7 @@
 //! Tests of the search against a search of all points in double precision, and of its error bound.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::*;
 use crate::form::Spread;
 use crate::form::spline::WIDTH;
@@ -256,8 +258,11 @@ fn short_maxima_between_the_first_steps_are_found() {
     let count = 400_usize;
     let near = |step: usize, middle: f64, width: f64| ((step as f64 - middle) / width).powi(2);
     for (of_vibration, of_force) in [(1.0, 0.0), (0.05, 1e9), (1.0, 3e8)] {
-        // The largest step is halfway between multiples of eight, and 1.2 times the one four steps away.
-        let size = |step: usize| of_vibration * (0.1 + (-near(step, 212.0, 9.4)).exp());
+        // Half a sine, whose maximum is halfway between multiples of eight and 2.5 times the values four steps away. A
+        // slower maximum of 0.95 is higher at the steps that are evaluated first.
+        let short = |step: usize| (0.29 * (step as f64 - 212.0)).clamp(-FRAC_PI_2, FRAC_PI_2).cos();
+        let slow = |step: usize| 0.95 * (-near(step, 320.0, 30.0)).exp();
+        let size = |step: usize| of_vibration * short(step).max(slow(step));
         let of_step = |step: usize| (0..COUNT).map(move |i| size(step) * (i as f64).sin() / (1.0 + i as f64).powi(2));
         let coordinates: Vec<f64> = (0..count).flat_map(of_step).collect();
         let force = |step: usize| of_force * (1.0 - near(step, 101.0, 3.0)).max(0.0);
