@@ -222,7 +222,7 @@ impl SweepRecorder {
         let mut count = 0;
         for index in self.missing() {
             if part.status[index] != Status::Missing {
-                self.writer.push(&part.member(index)?)?;
+                self.writer.push(part.member(index)?)?;
                 count += 1;
             }
         }
@@ -240,7 +240,7 @@ impl SweepRecorder {
     fn keep(&mut self, member: Option<Member>) -> Result<()> {
         let Some(member) = member else { return self.writer.flush_if_due() };
         self.progress.over(1);
-        self.writer.push(&member)
+        self.writer.push(member)
     }
 
     fn count(&self, status: Status) -> usize {

@@ -4,6 +4,8 @@ mod begin;
 mod member;
 mod read;
 mod room;
+#[cfg(test)]
+mod tests;
 mod write;
 
 pub use member::{Member, Quantity, Status};

@@ -26,6 +26,9 @@ pub struct Sweep {
     pub(super) quantities: Vec<Vec<f64>>,
     /// Contacts of all members that are done, each with the number of its member, in the order of the members.
     pub contacts: Vec<(usize, Episode)>,
+    /// Whether the file has exactly these contacts in this order. After a kill it may have contacts of members whose status
+    /// did not reach the disk.
+    pub(super) has_all_contacts_in_order: bool,
     /// Reasons for the failures, by member.
     pub(super) messages: BTreeMap<usize, String>,
     path: PathBuf,
@@ -141,14 +144,17 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let columns = CONTACTS.iter().map(|column| file.dataset(column.path)?.read_raw::<f64>());
     let columns = columns.collect::<hdf5::Result<Vec<_>>>()?;
     let rows = columns.iter().map(Vec::len).fold(of_rows.len(), usize::min);
+    let longest = columns.iter().map(Vec::len).fold(of_rows.len(), usize::max);
     let row = |n: usize| (of_rows[n] as usize, episode(std::array::from_fn(|column| columns[column][n])));
     let is_done = |(member, _): &(usize, Episode)| status.get(*member) == Some(&Status::Done);
     let mut contacts: Vec<(usize, Episode)> = (0..rows).map(row).filter(is_done).collect();
+    let has_all_contacts_in_order = contacts.len() == longest && contacts.is_sorted_by_key(|(member, _)| *member);
     contacts.sort_by_key(|(member, _)| *member);
     let messages = (0..).zip(file.dataset("members/message")?.read_raw::<Message>()?);
     let messages = messages.filter(|(_, message)| !message.is_empty()).map(|(n, message)| (n, message.to_string()));
     let messages = messages.collect();
-    Ok(Sweep { header, status, quantities, contacts, messages, path: path.to_owned(), file })
+    let path = path.to_owned();
+    Ok(Sweep { header, status, quantities, contacts, has_all_contacts_in_order, messages, path, file })
 }
 
 fn header(file: &hdf5::File) -> hdf5::Result<Header> {

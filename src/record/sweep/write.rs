@@ -1,10 +1,10 @@
 //! Writes the file of a sweep while its members are computed.
 //!
 //! A process may be killed at any moment. The datasets of the members have their final size from the beginning, so that
-//! a flush moves nothing in the file. The status of a member is written when all its other data are on the disk. Two
-//! moments are not safe: the flush in which the table of contacts outgrows its chunk, and the flush in which series are
-//! added. A full disk does no damage: space is reserved before anything is written, and after an error nothing more is
-//! written.
+//! most flushes move nothing in the file. The status of a member is written when all its other data are on the disk. If
+//! something does move, because the table of contacts outgrows its chunk or is written again, or because series are added,
+//! the flush writes to a copy of the file, which then replaces it. A full disk does no damage: space is reserved before
+//! anything is written, and after an error nothing more is written.
 
 use super::Header;
 use super::begin::{begin, chunk, new_quantity};
@@ -29,8 +29,14 @@ pub(super) const KIND: &str = "sweep";
 /// Reason why a member failed. It has a fixed length, so that its space exists from the beginning.
 pub(super) type Message = FixedUnicode<MESSAGE>;
 const MESSAGE: usize = 400;
-/// Wall time between two flushes, and thus the largest wall time lost by a kill.
+/// Least wall time between two flushes.
 const FLUSH_EVERY: Duration = Duration::from_secs(1);
+/// Least ratio of the wall time between two flushes to the wall time of the last one. Copying a file with many series takes
+/// long.
+const PAUSE_OVER_FLUSH: u32 = 10;
+/// Series in memory from which a flush does not wait: bytes, and the fraction of the size of the file. The larger of the
+/// two applies.
+const MANY_SERIES: (u64, f64) = (1 << 26, 0.25);
 
 /// Writes a sweep. Only one process (rank 0) has a writer.
 pub struct SweepWriter {
@@ -42,12 +48,20 @@ pub struct SweepWriter {
     quantities: Vec<Vec<f64>>,
     contacts: Vec<(usize, Episode)>,
     contacts_written: usize,
+    /// Whether the next flush writes the contacts again, from the first one on.
+    rewrites_contacts: bool,
     messages: BTreeMap<usize, String>,
     /// Whether the file is new and has no member yet.
     is_new: bool,
     /// Members that are not on the disk yet.
-    fresh: Vec<usize>,
+    fresh: Vec<Member>,
+    /// Upper bound of the bytes of their series.
+    series_bytes: u64,
+    /// Copy of the file to which the next flush writes, if something moves.
+    copy: Option<PathBuf>,
+    /// Time of the last flush, and the least wall time from then to the next.
     flushed: Instant,
+    pause: Duration,
     /// Whether a write operation has failed. Nothing more is written then, because metadata in memory may refer to data
     /// that are not on the disk.
     has_failed: bool,
@@ -82,10 +96,14 @@ impl SweepWriter {
             quantities: vec![vec![f64::NAN; members]; Quantity::ALL.len()],
             contacts: Vec::new(),
             contacts_written: 0,
+            rewrites_contacts: false,
             messages: BTreeMap::new(),
             is_new: true,
             fresh: Vec::new(),
+            series_bytes: 0,
+            copy: None,
             flushed: Instant::now(),
+            pause: FLUSH_EVERY,
             has_failed: false,
         })
     }
@@ -101,18 +119,23 @@ impl SweepWriter {
             .into_iter()
             .try_for_each(|quantity| new_quantity(file, quantity, header.members()))
             .map_err(|error| not_written(path, &error))?;
+        // Copies that killed processes have left.
+        target::remove_parts(path);
         Ok(Self {
             path: path.to_owned(),
             header: sweep.header.clone(),
             status: sweep.status.clone(),
             quantities: sweep.quantities.clone(),
             contacts: sweep.contacts.clone(),
-            // All are written again, because some may belong to members whose status did not reach the disk.
-            contacts_written: 0,
+            contacts_written: if sweep.has_all_contacts_in_order { sweep.contacts.len() } else { 0 },
+            rewrites_contacts: !sweep.has_all_contacts_in_order,
             messages: sweep.messages.clone(),
             is_new: false,
             fresh: Vec::new(),
+            series_bytes: 0,
+            copy: None,
             flushed: Instant::now(),
+            pause: FLUSH_EVERY,
             has_failed: false,
             file: sweep.into_file(),
         })
@@ -138,11 +161,11 @@ impl SweepWriter {
         &self.quantities[quantity as usize]
     }
 
-    /// Records a member. It is on the disk about a second later.
+    /// Records a member. It is on the disk about a second later, or ten times as long as a flush takes.
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails.
-    pub fn push(&mut self, member: &Member) -> Result<()> {
+    pub fn push(&mut self, member: Member) -> Result<()> {
         let columns = member.series.iter().flatten().map(Vec::len).chain(member.probes.iter().flatten().map(Vec::len));
         let series: u64 = columns.map(|length| room::BYTES_PER_DATASET + 8 * length as u64).sum();
         if let Err(error) = self.make_room(series, member.contacts.len()) {
@@ -151,28 +174,45 @@ impl SweepWriter {
             self.has_failed = true;
             return Err(error);
         }
-        let taken = self.take(member);
-        self.noted(taken)?;
-        self.flush_if_due()
+        self.series_bytes += series;
+        self.take(member);
+        let many = MANY_SERIES.0.max((MANY_SERIES.1 * self.file.size() as f64) as u64);
+        if self.series_bytes >= many { self.flush() } else { self.flush_if_due() }
     }
 
-    /// Writes the recorded members if the last flush was at least a second ago.
+    /// Writes the recorded members if the last flush was long enough ago.
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails.
     pub fn flush_if_due(&mut self) -> Result<()> {
-        if self.flushed.elapsed() >= FLUSH_EVERY { self.flush() } else { Ok(()) }
+        if self.flushed.elapsed() >= self.pause { self.flush() } else { Ok(()) }
     }
 
-    /// Reserves space at the end of the file: `series` bytes for series, and the space for `contacts` more contacts and
-    /// for the metadata of HDF5.
-    fn make_room(&self, series: u64, contacts: usize) -> Result<()> {
+    /// Reserves space at the end of the file, or of its copy if something moves: `series` more bytes for series, and the
+    /// space for `contacts` more contacts and for the metadata of HDF5.
+    fn make_room(&mut self, series: u64, contacts: usize) -> Result<()> {
         // New contacts may need further chunks, which are allocated whole in each column.
         let chunk = chunk(self.header.members());
         let more = (self.contacts.len() + contacts).div_ceil(chunk) - self.contacts_written.div_ceil(chunk);
-        let of_contacts = 8 * (1 + CONTACTS.len() as u64) * (more * chunk) as u64;
-        let made = room::make(&self.path, self.file.size() + series + of_contacts + room::BYTES_PER_FLUSH);
+        let (series, of_contacts) =
+            (self.series_bytes + series, 8 * (1 + CONTACTS.len() as u64) * (more * chunk) as u64);
+        let file = self.copied(series > 0 || more > 0 || self.rewrites_contacts)?;
+        let made = room::make(&file, self.file.size() + series + of_contacts + room::BYTES_PER_FLUSH);
         made.map_err(|error| Error::io(&self.path, format!("cannot be written: {}", plain(&error))))
+    }
+
+    /// File to which the next flush writes. If something moves, it is a copy.
+    fn copied(&mut self, moves: bool) -> Result<PathBuf> {
+        let path = target::resolved(&self.path);
+        if moves && self.copy.is_none() {
+            let copy = target::part(&path)?;
+            if let Err(error) = fs::copy(&path, &copy) {
+                let _ = fs::remove_file(&copy);
+                return Err(Error::io(&self.path, format!("cannot be written: {}", plain(&error))));
+            }
+            self.copy = Some(copy);
+        }
+        Ok(self.copy.clone().unwrap_or(path))
     }
 
     /// Converts an error of HDF5 to an error of this file, and remembers it so that nothing more is written.
@@ -181,34 +221,16 @@ impl SweepWriter {
         result.map_err(|error| not_written(&self.path, &error))
     }
 
-    fn take(&mut self, member: &Member) -> hdf5::Result<()> {
+    fn take(&mut self, member: Member) {
         let index = member.index;
         if !member.message.is_empty() {
-            let message = [fixed(&member.message)];
-            self.file.dataset("members/message")?.write_slice(&message, index..index + 1)?;
             self.messages.insert(index, member.message.clone());
-        }
-        if let Some(series) = member.series.as_ref().filter(|_| member.status == Status::Done) {
-            let root = self.file.group("series")?;
-            // A killed process may have left it.
-            if root.link_exists(&index.to_string()) {
-                root.unlink(&index.to_string())?;
-            }
-            for (values, column) in series.iter().zip(&SERIES) {
-                let path = series_path(index, column.path);
-                let dataset = self.file.new_dataset_builder().with_data(values).create(path.as_str())?;
-                write_text(&dataset, "units", column.units)?;
-            }
-            for (name, whole) in self.header.probes.iter().zip(&member.probes) {
-                probes::write(&self.file, &format!("series/{index}"), name, whole)?;
-            }
         }
         self.status[index] = member.status;
         self.quantities.iter_mut().zip(member.quantities).for_each(|(values, value)| values[index] = value);
         self.contacts.extend(member.contacts.iter().map(|contact| (index, *contact)));
-        self.fresh.push(index);
+        self.fresh.push(member);
         self.is_new = false;
-        Ok(())
     }
 
     /// Writes the recorded members, so that they survive the end of the process.
@@ -216,46 +238,94 @@ impl SweepWriter {
     /// # Errors
     /// [`Error::Io`] if writing fails.
     pub fn flush(&mut self) -> Result<()> {
-        if self.fresh.is_empty() {
-            self.flushed = Instant::now();
-            return Ok(());
+        let begun = Instant::now();
+        if !self.fresh.is_empty() {
+            let made = self.make_room(0, 0);
+            self.has_failed |= made.is_err();
+            made?;
+            self.write()?;
         }
-        let made = self.make_room(0, 0);
-        self.has_failed |= made.is_err();
-        made?;
-        let written = self.write();
-        self.noted(written)
-    }
-
-    fn write(&mut self) -> hdf5::Result<()> {
         self.flushed = Instant::now();
-        let (Some(first), Some(last)) = (self.fresh.iter().min(), self.fresh.iter().max()) else {
-            return Ok(());
-        };
-        let range = *first..*last + 1;
-        for ((_, name, _), values) in Quantity::ALL.iter().zip(&self.quantities) {
-            self.file.dataset(&format!("members/{name}"))?.write_slice(&values[range.clone()], range.clone())?;
-        }
-        self.write_contacts()?;
-        // The status follows when all other data are on the disk.
-        self.file.flush()?;
-        let status: Vec<u8> = self.status[range.clone()].iter().map(|status| *status as u8).collect();
-        self.file.dataset("members/status")?.write_slice(&status, range)?;
-        self.file.flush()?;
-        self.fresh.clear();
+        self.pause = FLUSH_EVERY.max(PAUSE_OVER_FLUSH * begun.elapsed());
         Ok(())
     }
 
-    fn write_contacts(&mut self) -> hdf5::Result<()> {
+    /// Writes to the file, or to its copy, which then replaces the file.
+    fn write(&mut self) -> Result<()> {
+        let Some(copy) = self.copy.take() else {
+            let written = self.write_to(&self.file.clone());
+            return self.noted(written);
+        };
+        let file = hdf5::File::open_rw(&copy);
+        let written = file.and_then(|file| self.write_to(&file).map(|()| file));
+        let replaced = self.noted(written).and_then(|file| {
+            let replaced = target::replace_with_part(&copy, &target::resolved(&self.path));
+            replaced.map(|()| file).map_err(|error| Error::io(&self.path, error))
+        });
+        if replaced.is_err() {
+            self.has_failed = true;
+            let _ = fs::remove_file(&copy);
+        }
+        self.file = replaced?;
+        Ok(())
+    }
+
+    fn write_to(&mut self, file: &hdf5::File) -> hdf5::Result<()> {
+        for member in &self.fresh {
+            self.write_texts_and_series(file, member)?;
+        }
+        self.write_contacts(file)?;
+        let members = self.fresh.iter().map(|member| member.index);
+        if let (Some(first), Some(last)) = (members.clone().min(), members.max()) {
+            let range = first..last + 1;
+            for ((_, name, _), values) in Quantity::ALL.iter().zip(&self.quantities) {
+                file.dataset(&format!("members/{name}"))?.write_slice(&values[range.clone()], range.clone())?;
+            }
+            // The status follows when all other data are on the disk.
+            file.flush()?;
+            let status: Vec<u8> = self.status[range.clone()].iter().map(|status| *status as u8).collect();
+            file.dataset("members/status")?.write_slice(&status, range)?;
+        }
+        file.flush()?;
+        self.fresh.clear();
+        self.series_bytes = 0;
+        Ok(())
+    }
+
+    fn write_texts_and_series(&self, file: &hdf5::File, member: &Member) -> hdf5::Result<()> {
+        let index = member.index;
+        if !member.message.is_empty() {
+            let message = [fixed(&member.message)];
+            file.dataset("members/message")?.write_slice(&message, index..index + 1)?;
+        }
+        if let Some(series) = member.series.as_ref().filter(|_| member.status == Status::Done) {
+            let root = file.group("series")?;
+            // An earlier version may have left it when it was killed.
+            if root.link_exists(&index.to_string()) {
+                root.unlink(&index.to_string())?;
+            }
+            for (values, column) in series.iter().zip(&SERIES) {
+                let path = series_path(index, column.path);
+                let dataset = file.new_dataset_builder().with_data(values).create(path.as_str())?;
+                write_text(&dataset, "units", column.units)?;
+            }
+            for (name, whole) in self.header.probes.iter().zip(&member.probes) {
+                probes::write(file, &format!("series/{index}"), name, whole)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn write_contacts(&mut self, file: &hdf5::File) -> hdf5::Result<()> {
         let (first, end) = (self.contacts_written, self.contacts.len());
         let (members, contacts): (Vec<u64>, Vec<Episode>) =
             self.contacts[first..].iter().map(|(member, contact)| (*member as u64, *contact)).unzip();
-        let column = self.file.dataset("contacts/member")?;
+        let column = file.dataset("contacts/member")?;
         column.resize((end,))?;
         column.write_slice(&members, first..end)?;
-        let columns = CONTACTS.iter().map(|column| self.file.dataset(column.path)).collect::<hdf5::Result<Vec<_>>>()?;
+        let columns = CONTACTS.iter().map(|column| file.dataset(column.path)).collect::<hdf5::Result<Vec<_>>>()?;
         append(&columns, &CONTACTS, first, &contacts)?;
-        self.contacts_written = end;
+        (self.contacts_written, self.rewrites_contacts) = (end, false);
         Ok(())
     }
 
@@ -266,13 +336,16 @@ impl SweepWriter {
     /// [`Error::Io`] if writing fails.
     pub fn finish(&mut self) -> Result<()> {
         self.flush()?;
-        let mut mark = || {
-            if !self.contacts.is_sorted_by_key(|(member, _)| *member) || self.contacts_written == 0 {
-                self.contacts.sort_by_key(|(member, _)| *member);
-                self.contacts_written = 0;
-                self.write_contacts()?;
-            }
-            let is_complete = self.mine().all(|member| self.status[member] != Status::Missing);
+        if !self.contacts.is_sorted_by_key(|(member, _)| *member) {
+            self.contacts.sort_by_key(|(member, _)| *member);
+            (self.contacts_written, self.rewrites_contacts) = (0, true);
+        }
+        if self.rewrites_contacts {
+            self.make_room(0, 0)?;
+            self.write()?;
+        }
+        let is_complete = self.mine().all(|member| self.status[member] != Status::Missing);
+        let mark = || {
             self.file.attr("complete")?.write_scalar(&is_complete)?;
             self.file.flush()
         };
@@ -300,6 +373,9 @@ impl Drop for SweepWriter {
             true => fs::remove_file(target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e)),
             false => self.flush(),
         };
+        if let Some(copy) = &self.copy {
+            let _ = fs::remove_file(copy);
+        }
     }
 }
 
