@@ -72,7 +72,7 @@ pub use rectangular_plate::{
     BendingWaves, EdgeSprings, LaminateWave, LayeredWaves, PlateWaves, RectangularPlate, Wavenumbers,
 };
 pub use relaxation::{ProjectedRelaxation, Relaxation};
-pub use response::{Directions, Interpolant, Noticeable, Response};
+pub use response::{Interpolant, Noticeable, Response};
 pub(crate) use shapes::{Forms, Shapes};
 pub use shift::{rates, vectors_over_one_shift};
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};

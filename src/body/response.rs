@@ -9,12 +9,11 @@
 
 mod numbers;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
 use serde::{Deserialize, Serialize};
 
 use super::common_rates::{CommonRates, Decay};
-use super::eigen::symmetric_eigen;
 use super::modal::ModalBody;
 use super::modes::{Free, Mode, Modes};
 use super::shapes::{Forms, Shapes};
@@ -29,9 +28,6 @@ const LARGEST_RATE_CHANGE: f64 = 0.2;
 
 /// Part of its amplitude that a vibration may lose within a run without effect.
 const NEGLIGIBLE_DECAY: f64 = 1e-3;
-
-/// Ratio to the largest stress of a direction below which the stress of another direction is rounding.
-const STRESSLESS: f64 = 1e-6;
 
 /// Rates λ and outputs of coordinates that F drives with an input of 1.
 type Rates = Vec<(Complex<f64>, Complex<f64>)>;
@@ -99,53 +95,6 @@ impl Response {
         self.modes.len()
     }
 
-    /// Returns the main directions in which several bodies move under contacts of length `contact` (s). Directions with
-    /// the largest stresses are first, down to a fraction `depth` of the largest. The form yᵀ S y with S = `stresses`
-    /// is the sum of the squares of all stresses that are read. The directions are orthonormal in this form.
-    pub fn main_motions(all: &[&Self], stresses: DMatrix<f64>, contact: f64, depth: f64) -> Directions {
-        let vectors = stresses.nrows();
-        let mut gram = DMatrix::zeros(vectors, vectors);
-        for response in all {
-            let Shapes { free: [way, of_load], residual, .. } = &response.others;
-            let mut columns: Vec<DVector<f64>> = vec![way.clone(), of_load.clone(), residual / contact];
-            for ((of, _), column) in response.modes.iter().zip(response.places.column_iter()) {
-                // Displacement due to an impulse, reduced for coordinates that are fast compared with the contact.
-                let weight = 1.0 / (1.0 + of.norm() * contact);
-                columns.push(column.map(|entry| weight * entry.re));
-                columns.push(column.map(|entry| weight * entry.im));
-            }
-            let columns = DMatrix::from_columns(&columns);
-            gram += &columns * columns.transpose();
-        }
-        // S = TᵀT.
-        let (squares, principal) = symmetric_eigen(stresses);
-        let least = STRESSLESS * STRESSLESS * squares.amax();
-        let roots = squares.map(|square| square.max(least).max(f64::MIN_POSITIVE).sqrt());
-        let mut stress = principal.transpose();
-        stress.row_iter_mut().zip(roots.iter()).for_each(|(mut row, root)| row *= *root);
-        let mut back = principal;
-        back.column_iter_mut().zip(roots.iter()).for_each(|(mut column, root)| column.unscale_mut(*root));
-        let (squares, main) = symmetric_eigen(&stress * gram * stress.transpose());
-        let largest = squares.amax();
-        let kept: Vec<usize> = (0..vectors).rev().filter(|&i| squares[i] > depth * depth * largest).collect();
-        let main = main.select_columns(&kept);
-        Directions { shapes: back * &main, parts: main.transpose() * stress }
-    }
-
-    /// Restricts the response to some directions of the basis.
-    #[must_use]
-    pub fn along(&self, directions: &Directions) -> Self {
-        let Directions { shapes, parts } = directions;
-        let part = |of: fn(&Complex<f64>) -> f64| parts * self.places.map(|entry| of(&entry));
-        Self {
-            modes: self.modes.clone(),
-            places: part(|entry| entry.re).zip_map(&part(|entry| entry.im), Complex::new),
-            others: self.others.mapped(parts),
-            hit_stress: (&self.hit_stress.0 * shapes, self.hit_stress.1),
-            ..*self
-        }
-    }
-
     /// Returns, for each coordinate, the number of the coordinate of another body that continues it, if there is one: a
     /// similar vibration, or a decay of equal rate.
     fn tracked_in(&self, other: &Self) -> Vec<Option<usize>> {
@@ -178,14 +127,6 @@ impl Response {
         let forward = alike.row_iter().map(|row| best(&mut row.iter().copied()));
         forward.enumerate().map(|(k, found)| found.filter(|l| backward[*l] == Some(k))).collect()
     }
-}
-
-/// Directions of a basis, at most as many as its vectors: y = `shapes` c, c = `parts` y.
-pub struct Directions {
-    /// One column for each direction.
-    pub shapes: DMatrix<f64>,
-    /// One row for each direction.
-    pub parts: DMatrix<f64>,
 }
 
 /// Replaces coordinates that decay without vibrating by coordinates with common rates.

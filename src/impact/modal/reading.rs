@@ -7,7 +7,8 @@ use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::space::evaluate::{
-    ContactNow, ContactSize, Coordinates, FaceStresses, LineStresses, Map, TensionMap, TensionSearch,
+    ContactNow, ContactSize, Coordinates, FaceStresses, FaceTension, FacesBetween, InterpolatedTension, LineStresses,
+    Map, TensionMap, TensionSearch,
 };
 
 use super::recorder::Moment;
@@ -59,7 +60,7 @@ impl StressesOfSteps {
         Some(Self::All(DMatrix::from_row_slice(entries.len() / count.max(1), count, entries) * shapes))
     }
 
-    /// Number of weights of a step.
+    /// Number of values of a step from which the stresses are computed.
     fn weights(&self) -> usize {
         match self {
             Self::All(stresses) => stresses.ncols(),
@@ -168,6 +169,8 @@ pub struct FacesReading<'a> {
     search: Option<TensionSearch<'a>>,
     /// Largest tensions of the steps read so far.
     pub map: TensionMap,
+    /// Largest of all tensions read so far, if they are interpolated between bodies.
+    largest: InterpolatedTension,
 }
 
 impl<'a> FacesReading<'a> {
@@ -176,7 +179,15 @@ impl<'a> FacesReading<'a> {
         let faces = readout.faces.as_ref()?;
         let FacesOfSteps { stresses, weights } = of_steps;
         let (search, of_step) = (stresses.search(faces), weights.len() / steps.max(1));
-        Some(Self { stresses, weights, of_step, faces, readout, search, map: TensionMap::default() })
+        let (map, largest) = (TensionMap::default(), InterpolatedTension { value: 0.0, error: 0.0 });
+        Some(Self { stresses, weights, of_step, faces, readout, search, map, largest })
+    }
+
+    /// Estimated error of the interpolation between bodies in the largest tension, over this tension; `None` if tensions
+    /// are not interpolated.
+    pub fn interpolation_error(&self) -> Option<f64> {
+        let InterpolatedTension { value, error } = self.largest;
+        self.readout.between.as_ref().map(|_| if value > 0.0 { error / value } else { 0.0 })
     }
 
     /// Stores the largest tensions on the faces in the next steps.
@@ -193,6 +204,7 @@ impl<'a> FacesReading<'a> {
             let times: Vec<f64> = steps.iter().map(|step| step.step.time).collect();
             self.map.take(&found.map(&times));
             steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
+            self.interpolate(steps, all, &contacts);
         } else {
             let all = all.all();
             let weights = all.chunks_exact(self.stresses.weights().max(1));
@@ -201,6 +213,35 @@ impl<'a> FacesReading<'a> {
                 let (found, of_step) = self.faces.tensions(&stresses, contact, step.step.time);
                 self.map.take(&of_step);
                 step.reading.faces = found;
+            }
+        }
+    }
+
+    /// Replaces tensions that are near the largest one by interpolated tensions, if there are bodies between which to
+    /// interpolate.
+    fn interpolate(&mut self, steps: &mut [Observed], coordinates: Coordinates, contacts: &[ContactNow]) {
+        let Some(between) = &self.readout.between else { return };
+        let of_steps = steps.iter().flat_map(|step| &step.reading.faces);
+        let largest = of_steps.map(|found| found.largest).fold(self.largest.value, f64::max);
+        // The stresses of the other bodies are in terms of their coordinates.
+        if !matches!(self.stresses, StressesOfSteps::OnBasis(_)) {
+            self.largest = InterpolatedTension { value: largest, error: f64::NAN };
+            return;
+        }
+        let limit = FacesBetween::lower_limit(largest, self.readout.least_tension.unwrap_or(f64::INFINITY));
+        let is_near = |found: &FaceTension| found.largest >= limit;
+        for (number, (step, contact)) in steps.iter_mut().zip(contacts).enumerate() {
+            if !step.reading.faces.iter().any(is_near) {
+                continue;
+            }
+            let of_step = coordinates.of(&[number], self.stresses.weights());
+            for (face, found) in step.reading.faces.iter_mut().enumerate().filter(|(_, found)| is_near(found)) {
+                let unknown = InterpolatedTension { value: found.largest, error: f64::NAN };
+                let tension = between.interpolate(self.faces, (face, found), &of_step, contact).unwrap_or(unknown);
+                found.largest = tension.value;
+                if tension.value > self.largest.value {
+                    self.largest = tension;
+                }
             }
         }
     }

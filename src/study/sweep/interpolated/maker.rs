@@ -189,8 +189,9 @@ impl SharedBasis {
         vectors.iter().map(whole).collect()
     }
 
-    /// Readout of the stresses on faces of a scene's body, in the coordinates of the given vectors.
-    pub fn readout(&self, scene: &Scene, vectors: Vec<Vec<f64>>) -> Result<Readout> {
+    /// Readout of the stresses on faces of a scene's body, in the coordinates of the basis.
+    pub fn readout(&self, scene: &Scene) -> Result<Readout> {
+        let vectors = self.whole_basis.whole(self.whole_basis.count());
         let evaluator = layerwise_evaluator(scene, self.cells.size)?;
         Ok(Gauges::new(&self.cells.comm, scene, Some(evaluator), self.unknowns, Some(vectors))?.readout)
     }

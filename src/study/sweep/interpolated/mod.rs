@@ -11,18 +11,17 @@ mod maker;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-use nalgebra::DMatrix;
 use petsc_wrap::Comm;
 
 use super::spread::spread;
 use crate::agree::{agree, decided};
-use crate::body::{Directions, Interpolant, ModalBody, Response};
+use crate::body::{Interpolant, ModalBody, Response};
 use crate::error::Result;
 use crate::impact::{Errors, Readout};
 use crate::model::watch::Watch;
 use crate::model::{BASIS_SHARE, LARGE_ERROR_OF_DEFLECTION, is_quickly_reduced_again};
 use crate::scene::{Initial, Load, Model, Scene};
-use crate::space::evaluate::FaceStresses;
+use crate::space::evaluate::{FacesBetween, WeightedFaces};
 use crate::space::plate::contact_wavelength;
 use maker::{Cells, Made, Sample, SampleNumbers, SharedBasis};
 
@@ -54,10 +53,6 @@ const RESPONSE_SHARE: f64 = 0.1;
 /// hardly fall.
 const ERROR_RATIO_ON_HALVING: f64 = 0.25;
 
-/// Smallest stress of the directions along which bodies are read: relative to the largest stress, divided by the
-/// tolerance.
-const SMALLEST_STRESS_FRACTION: f64 = 0.2;
-
 /// Number of bodies in an interpolation.
 const STENCIL: usize = 4;
 
@@ -74,8 +69,6 @@ pub struct Interpolated {
     /// Interpolants of neighbouring bodies, by the index of the first body. Each is made when a member first needs it.
     between: Vec<OnceCell<Interpolant>>,
     is_geometric: bool,
-    /// The directions along which stresses on faces are read, as vectors of the whole body.
-    vectors: Vec<Vec<f64>>,
 }
 
 /// A body at one value.
@@ -189,8 +182,8 @@ impl Interpolated {
         let of_model = of_cells.joined(of_basis);
         // All members have the same tolerance, for the same quantity.
         let first = scene(0)?;
-        let (errors, between, vectors) = (Vec::new(), Vec::new(), Vec::new());
-        let mut all = Self { shared, nodes: Vec::new(), errors, of_model, of_basis, between, is_geometric, vectors };
+        let (nodes, errors, between) = (Vec::new(), Vec::new(), Vec::new());
+        let mut all = Self { shared, nodes, errors, of_model, of_basis, between, is_geometric };
         let mut nodes: BTreeMap<usize, Node> = BTreeMap::new();
         // Intervals whose middle is not known yet. Initially only the ends of intervals are computed.
         let mut open: Vec<Interval> = Vec::new();
@@ -240,7 +233,7 @@ impl Interpolated {
         }
         all.errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.nodes = nodes.into_values().collect();
-        all.read_along_main_motions(ranks)?;
+        tracing::info!(bodies = all.nodes.len(), "bodies between which to interpolate");
         all.between = all.nodes.windows(STENCIL).map(|_| OnceCell::new()).collect();
         Ok(Some(all))
     }
@@ -271,42 +264,12 @@ impl Interpolated {
         open
     }
 
-    /// Reduces the bodies to the directions that cause stresses, along which they are read. Collective.
-    fn read_along_main_motions(&mut self, ranks: &Comm) -> Result<()> {
-        let (nodes, shared) = (&self.nodes, &self.shared);
-        let scene = &nodes[nodes.len() / 2].scene;
-        let count = shared.basis.count();
-        let (shapes, parts) = decided(ranks, || {
-            let vectors = shared.whole_basis.whole(count);
-            let stresses = match scene.output.stress {
-                true => shared.readout(scene, vectors)?.faces.and_then(|faces| squares(&faces)),
-                false => None,
-            };
-            let responses: Vec<&Response> = nodes.iter().map(|node| &node.response).collect();
-            let stresses = stresses.unwrap_or_else(|| DMatrix::identity(count, count));
-            let depth = SMALLEST_STRESS_FRACTION * scene.tolerance;
-            let contact = scene.impactor.contact_time();
-            let Directions { shapes, parts } = Response::main_motions(&responses, stresses, contact, depth);
-            Ok((shapes.as_slice().to_vec(), parts.as_slice().to_vec()))
-        })?;
-        let directions = shapes.len() / count;
-        let directions = Directions {
-            shapes: DMatrix::from_vec(count, directions, shapes),
-            parts: DMatrix::from_vec(directions, count, parts),
-        };
-        tracing::info!(directions = directions.parts.nrows(), nodes = self.nodes.len(), "main motions");
-        self.vectors = self.shared.whole(&self.shared.basis.combined(&directions.shapes));
-        self.nodes.iter_mut().for_each(|node| node.response = node.response.along(&directions));
-        Ok(())
-    }
-
     /// Number of unknowns of the whole bodies.
     pub fn unknowns(&self) -> usize {
         self.shared.unknowns
     }
 
-    /// The interpolated body at a value for a member's run, with its errors and the readout of the nearest body's
-    /// faces. Returns `None` if the member's impact differs from the one for which the errors are estimated.
+    /// The interpolated body at a value for a member's run, with its errors and the readout of the stresses on faces. Returns `None` if the member's impact differs from the one for which the errors are estimated.
     ///
     /// # Errors
     /// Same as making a model.
@@ -317,16 +280,30 @@ impl Interpolated {
         });
         let (true, Some(of_interpolation)) = (is_alike, self.error_at(value)) else { return Ok(None) };
         let near: Vec<&Node> = self.nodes.iter().collect();
-        let nearest = near.iter().min_by(|a, b| (a.value - value).abs().total_cmp(&(b.value - value).abs()));
-        let readout = match nearest.filter(|node| node.scene.output.is_read()) {
-            Some(node) => Some(self.readout(node)?.clone()),
-            None => None,
-        };
-        let errors = Errors { stress: f64::NAN, ..self.of_model.joined(of_interpolation) };
+        let errors = self.of_model.joined(of_interpolation);
         let Some(between) = between(&near, value, self.is_geometric) else { return Ok(None) };
+        let readout = match scene.output.is_read() {
+            true => self.readout_between(&between, value)?,
+            false => None,
+        };
         let known = self.between.get(between.begin);
         let known = known.map(|known| known.get_or_init(|| Interpolant::new(&between.bodies)));
         Ok(Some((between.body(known), errors, readout)))
+    }
+
+    /// Readout of the stresses on faces, interpolated at a value: the readout of the nearest body, with the faces of all
+    /// bodies of the interpolation.
+    fn readout_between(&self, between: &Between, value: f64) -> Result<Option<Readout>> {
+        let nodes = &self.nodes[between.begin..between.begin + between.weights.len()];
+        let readouts = nodes.iter().map(|node| self.readout(node)).collect::<Result<Vec<_>>>()?;
+        let linear_weights = linear_weights(nodes, value, self.is_geometric);
+        let nearest = (0..nodes.len()).max_by(|&a, &b| linear_weights[a].total_cmp(&linear_weights[b]));
+        let weighted = readouts.iter().zip(&between.weights).zip(&linear_weights);
+        let bodies = weighted.filter_map(|((readout, &weight), &linear_weight)| {
+            Some(WeightedFaces { faces: readout.faces.clone()?, weight, linear_weight })
+        });
+        let all = FacesBetween { bodies: bodies.collect() };
+        Ok(nearest.map(|nearest| Readout { between: Some(all), ..readouts[nearest].clone() }))
     }
 
     /// Readout of the stresses on a body's faces.
@@ -334,7 +311,7 @@ impl Interpolated {
         if let Some(readout) = node.readout.get() {
             return Ok(readout);
         }
-        let readout = self.shared.readout(&node.scene, self.vectors.clone())?;
+        let readout = self.shared.readout(&node.scene)?;
         Ok(node.readout.get_or_init(|| readout))
     }
 
@@ -419,14 +396,6 @@ fn shared_basis(
     Ok(None)
 }
 
-/// RᵀR, where the rows of R give all stresses on faces from the basis coordinates; `None` if they are not stored as a
-/// dense matrix.
-fn squares(faces: &FaceStresses) -> Option<DMatrix<f64>> {
-    let (count, rows) = faces.dense()?;
-    let columns = DMatrix::from_row_slice(rows.len() / count.max(1), count, rows);
-    Some(columns.tr_mul(&columns))
-}
-
 /// Bodies next to a value, with the weights of Lagrange's interpolation.
 struct Between<'a> {
     /// Index of the first of these bodies.
@@ -461,6 +430,22 @@ fn between<'a>(nodes: &[&'a Node], value: f64, is_geometric: bool) -> Option<Bet
     let weights = near.iter().map(weight).collect();
     let bodies: Vec<&Response> = near.iter().map(|node| &node.response).collect();
     (!bodies.is_empty()).then_some(Between { begin, bodies, weights })
+}
+
+/// Weights of bodies, in ascending order of values, in the linear interpolation between the two nearest to a value.
+fn linear_weights(nodes: &[Node], value: f64, is_geometric: bool) -> Vec<f64> {
+    let mut weights = vec![0.0; nodes.len()];
+    let above = nodes.partition_point(|node| node.value < value).clamp(1, nodes.len().max(2) - 1);
+    let below = above - 1;
+    match nodes.get(above) {
+        Some(end) => {
+            let [from, at, to] = [nodes[below].value, value, end.value].map(|value| coordinate(value, is_geometric));
+            weights[above] = (at - from) / (to - from);
+            weights[below] = 1.0 - weights[above];
+        }
+        None => weights.fill(1.0),
+    }
+    weights
 }
 
 impl Between<'_> {
