@@ -9,12 +9,12 @@ use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, Remark, UNESTIMATED_ROTATIONS, USELESS, remedy_of_tension};
+use super::notes::{self, GROWTH, Remark, UNESTIMATED_ROTATIONS, USELESS, remedy_of_tension, scope_of};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
 /// What may lower the error of a member.
-const REMEDIES: &str = "if members share a basis, a smaller accuracy.tolerance may lower the error; `ricochet check` of this member's scene lists its causes";
+const REMEDIES: &str = "a smaller accuracy.tolerance may lower the error. Members of a sweep may share a body; a `ricochet run` of this member alone has a body of its own";
 
 /// Remarks on members, sorted by kind.
 #[derive(Default)]
@@ -105,6 +105,7 @@ impl Remarks {
             let over_thickness = of(Quantity::DeflectionOverThickness);
             let deflection_error = of(Quantity::DeflectionErrorEstimate);
             let tension_error = of(Quantity::StressErrorEstimate);
+            let is_for_force = *measure != Measure::Stress || tension_error.is_nan();
             let remark = |kind: &str, size: f64, text: String| Remark { kind: kind.to_owned(), size, text };
             let of_first = format!(
                 "the estimated error in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e}",
@@ -145,13 +146,18 @@ impl Remarks {
                     "{of_first}, and its results are of no use: `ricochet check` of this member's scene shows the causes of its error"
                 );
                 all.warnings.add(member, remark("useless", first, text));
-            } else if first > *tolerance {
+            } else if first > *tolerance && is_for_force {
                 let text = format!("{of_first}: {REMEDIES}");
                 all.warnings.add(member, remark("first contact", first, text));
-            } else if whole > *tolerance {
+            }
+            // The warning has named an error that hardly grows after the first contact.
+            let grows = whole > GROWTH * first;
+            let is_told = first > *tolerance && is_for_force && !grows;
+            if whole > *tolerance && first <= USELESS && !is_told {
+                let (later, scope) = (if grows { ": later times are more sensitive" } else { "" }, scope_of(*measure));
                 let text = format!(
-                    "the estimated error of the whole history is {} of the peak, above accuracy.tolerance = {tolerance:e}, which is for the first \
-                     contact: later times are more sensitive; `ricochet run` of this member's scene says what may lower it",
+                    "the estimated error of the acceleration over the whole history is {} of the peak, above accuracy.tolerance = \
+                     {tolerance:e}{scope}{later}; `ricochet run` of this member's scene says what may lower it",
                     beside(whole, *tolerance)
                 );
                 all.notes.add(member, remark("whole history", whole, text));

@@ -39,7 +39,7 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
 }
 
 /// Error over the whole history relative to the error in the first contact, above which later times are more sensitive.
-const GROWTH: f64 = 1.2;
+pub const GROWTH: f64 = 1.2;
 
 /// Note on a basis that may lack the rotations of a free body.
 pub const UNESTIMATED_ROTATIONS: &str = "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
@@ -197,14 +197,8 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     if errors.history > tolerance && !is_told {
         let error = beside(errors.history, tolerance);
         let later = if grows { ": later times are more sensitive" } else { "" };
-        let (of_what, scope) = match measure {
-            Measure::Acceleration => ("", ", which is for the first contact"),
-            Measure::Stress => (" of the acceleration", "; stresses are estimated in the first contact alone"),
-            Measure::Deflection => (
-                " of the acceleration",
-                "; it applies to the deflection and, in the first contact, to the acceleration",
-            ),
-        };
+        let of_what = if measure == Measure::Acceleration { "" } else { " of the acceleration" };
+        let scope = scope_of(measure);
         let step = match scene.time.step {
             Some(_) => "; the error of the given time.step is not included",
             None => "",
@@ -216,6 +210,15 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
         ));
     }
     missed
+}
+
+/// What the tolerance applies to, in a remark on the whole history.
+pub fn scope_of(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Acceleration => ", which is for the first contact",
+        Measure::Stress => "; stresses are estimated in the first contact alone",
+        Measure::Deflection => "; it applies to the deflection and, in the first contact, to the acceleration",
+    }
 }
 
 /// Hints how to reduce the errors of causes.
