@@ -141,7 +141,8 @@ impl Remarks {
             if *may_lack_rotations && deflection_error.is_nan() && !over_thickness.is_nan() {
                 all.notes.add(member, remark("rotations", 1.0, UNESTIMATED_ROTATIONS.to_owned()));
             }
-            if first > USELESS {
+            let is_useless = first > USELESS;
+            if is_useless {
                 let text = format!(
                     "{of_first}, and its results are of no use: `ricochet check` of this member's scene shows the causes of its error"
                 );
@@ -153,7 +154,7 @@ impl Remarks {
             // The warning has named an error that hardly grows after the first contact.
             let grows = whole > GROWTH * first;
             let is_told = first > *tolerance && is_for_force && !grows;
-            if whole > *tolerance && first <= USELESS && !is_told {
+            if whole > *tolerance && !is_useless && !is_told {
                 let (later, scope) = (if grows { ": later times are more sensitive" } else { "" }, scope_of(*measure));
                 let text = format!(
                     "the estimated error of the acceleration over the whole history is {} of the peak, above accuracy.tolerance = \

@@ -157,7 +157,8 @@ pub(super) fn cell_size(
     let found = found(comm, scene, theory, built, None, watch)?;
     Ok(found.map(|found| {
         let vectors = Some(found.first_vectors(built, scene));
-        CellSize { size: found.size, error: found.error, vectors }
+        let error = with_local_fields(scene, built.evaluator.as_ref(), found.error);
+        CellSize { size: found.size, error, vectors }
     }))
 }
 

@@ -100,7 +100,9 @@ pub(super) fn replace_with_part(part: &Path, path: &Path) -> io::Result<()> {
     if path.try_exists()? {
         synced(part)?;
         fs::rename(part, path)?;
-        return synced(folder(path));
+        // Some file systems cannot do this with a folder.
+        let _ = synced(folder(path));
+        return Ok(());
     }
     fs::rename(part, path)
 }

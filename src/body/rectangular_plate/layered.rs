@@ -238,8 +238,9 @@ pub struct LaminateMode {
 }
 
 impl LaminateWave {
-    /// The waves with moduli (Pa) beyond those of the stiffness, the slowest first. Waves that are more than 10⁷
-    /// times as fast as the slowest one are left out.
+    /// The waves with moduli (Pa) beyond those of the stiffness, the slowest first. Waves that are more than 10⁷ times as fast
+    /// as the slowest one are left out if K is positive definite; if it is not, waves that are as much slower than the
+    /// fastest one have a frequency of 0.
     ///
     /// With K = L Lᵀ and y = L⁻ᵀ x, the matrix L⁻¹ M L⁻ᵀ has the eigenvalues 1/ω². Its largest ones belong to the slowest waves, which are therefore
     /// accurate also beside the shear waves of a layer of some µm, 10⁸ times as fast. If K is numerically singular, M is factorised.

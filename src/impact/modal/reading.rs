@@ -179,7 +179,9 @@ impl<'a> FacesReading<'a> {
         let faces = readout.faces.as_ref()?;
         let FacesOfSteps { stresses, weights } = of_steps;
         let (search, of_step) = (stresses.search(faces), weights.len() / steps.max(1));
-        let (map, largest) = (TensionMap::default(), InterpolatedTension { value: 0.0, error: 0.0 });
+        // Without a search nothing is interpolated.
+        let error = if search.is_some() { 0.0 } else { f64::NAN };
+        let (map, largest) = (TensionMap::default(), InterpolatedTension { value: 0.0, error });
         Some(Self { stresses, weights, of_step, faces, readout, search, map, largest })
     }
 
@@ -187,7 +189,7 @@ impl<'a> FacesReading<'a> {
     /// are not interpolated.
     pub fn interpolation_error(&self) -> Option<f64> {
         let InterpolatedTension { value, error } = self.largest;
-        self.readout.between.as_ref().map(|_| if value > 0.0 { error / value } else { 0.0 })
+        self.readout.between.as_ref().map(|_| if value > 0.0 { error / value } else { error })
     }
 
     /// Stores the largest tensions on the faces in the next steps.
@@ -223,7 +225,7 @@ impl<'a> FacesReading<'a> {
         let Some(between) = &self.readout.between else { return };
         let of_steps = steps.iter().flat_map(|step| &step.reading.faces);
         let largest = of_steps.map(|found| found.largest).fold(self.largest.value, f64::max);
-        // The stresses of the other bodies are in terms of their coordinates.
+        // The stresses of the other bodies are in terms of the coordinates on the basis.
         if !matches!(self.stresses, StressesOfSteps::OnBasis(_)) {
             self.largest = InterpolatedTension { value: largest, error: f64::NAN };
             return;

@@ -127,3 +127,27 @@ fn what_a_kill_has_left_is_removed() {
     assert_eq!(sweep.contacts.iter().map(|(member, _)| *member).collect::<Vec<_>>(), [0, 0, 2, 2, 3]);
     assert!(sweep.has_all_contacts_in_order);
 }
+
+/// A file that lacks a quantity, as those of earlier versions do, is continued, also if the first flush moves something.
+#[test]
+fn a_file_without_a_quantity_is_continued() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.h5");
+    let header = header(2, false);
+    let mut writer = SweepWriter::open(&path, &header).expect("a new sweep");
+    writer.push(member(0, false, 1)).expect("a member");
+    writer.finish().expect("an end");
+    drop(writer);
+    let file = hdf5_metno::File::open_rw(&path).expect("the file");
+    file.unlink("members/stress_error_estimate").unwrap();
+    drop(file);
+    let mut writer = SweepWriter::open(&path, &header).expect("the sweep");
+    writer.push(member(1, false, 5000)).expect("a member");
+    writer.finish().expect("an end");
+    drop(writer);
+    assert_eq!(done(&path), [0, 1]);
+    let another = SweepWriter::open(&path, &header).expect("the sweep");
+    let refused = SweepWriter::open(&path, &header).err().map(|error| error.to_string());
+    assert!(refused.is_some_and(|text| text.contains("is being written by another run")));
+    drop(another);
+}

@@ -14,6 +14,7 @@ use super::room;
 use crate::error::{Error, Result};
 use crate::record::columns::{CONTACTS, SERIES, append, not_written};
 use crate::record::episodes::Episode;
+use crate::record::lock::Lock;
 use crate::record::probes;
 use crate::record::provenance::write_text;
 use crate::record::target;
@@ -31,12 +32,12 @@ pub(super) type Message = FixedUnicode<MESSAGE>;
 const MESSAGE: usize = 400;
 /// Least wall time between two flushes.
 const FLUSH_EVERY: Duration = Duration::from_secs(1);
-/// Least ratio of the wall time between two flushes to the wall time of the last one. Copying a file with many series takes
-/// long.
-const PAUSE_OVER_FLUSH: u32 = 10;
-/// Series in memory from which a flush does not wait: bytes, and the fraction of the size of the file. The larger of the
-/// two applies.
-const MANY_SERIES: (u64, f64) = (1 << 26, 0.25);
+/// Least ratio of the wall time between two flushes to the wall time in which the last one copied the file. Copying a file
+/// with many series takes long.
+const PAUSE_OVER_COPYING: u32 = 20;
+/// Series in memory from which a flush does not wait: a fraction of the size of the file, between two limits in bytes.
+const MANY_SERIES_OVER_FILE: f64 = 0.25;
+const MANY_SERIES: [u64; 2] = [1 << 26, 1 << 30];
 
 /// Writes a sweep. Only one process (rank 0) has a writer.
 pub struct SweepWriter {
@@ -59,12 +60,16 @@ pub struct SweepWriter {
     series_bytes: u64,
     /// Copy of the file to which the next flush writes, if something moves.
     copy: Option<PathBuf>,
+    /// Wall time in which the next flush has copied the file so far.
+    copying: Duration,
     /// Time of the last flush, and the least wall time from then to the next.
     flushed: Instant,
     pause: Duration,
     /// Whether a write operation has failed. Nothing more is written then, because metadata in memory may refer to data
     /// that are not on the disk.
     has_failed: bool,
+    /// Keeps other sweeps from writing the file; released after the file is closed.
+    _lock: Lock,
 }
 
 impl SweepWriter {
@@ -74,11 +79,12 @@ impl SweepWriter {
     /// [`Error::Io`] if `path` is another kind of file, or a sweep of another scene or of other values, or if it cannot
     /// be written.
     pub fn open(path: &Path, header: &Header) -> Result<Self> {
+        let lock = Lock::take(path)?;
         target::check_writable(path, target::Kind::Sweep)?;
-        if path.exists() { Self::resume(path, header) } else { Self::create(path, header) }
+        if path.exists() { Self::resume(path, header, lock) } else { Self::create(path, header, lock) }
     }
 
-    fn create(path: &Path, header: &Header) -> Result<Self> {
+    fn create(path: &Path, header: &Header, lock: Lock) -> Result<Self> {
         let part = target::part(&target::resolved(path))?;
         let begun = begin(&part, header).map_err(|error| not_written(path, &error));
         let named = begun
@@ -102,13 +108,15 @@ impl SweepWriter {
             fresh: Vec::new(),
             series_bytes: 0,
             copy: None,
+            copying: Duration::ZERO,
             flushed: Instant::now(),
             pause: FLUSH_EVERY,
             has_failed: false,
+            _lock: lock,
         })
     }
 
-    fn resume(path: &Path, header: &Header) -> Result<Self> {
+    fn resume(path: &Path, header: &Header, lock: Lock) -> Result<Self> {
         let file = hdf5::File::open_rw(path).map_err(|error| not_written(path, &error))?;
         let sweep = Sweep::of(path, file)?;
         header.check_same(&sweep.header).map_err(|why| Error::io(path, format!("{why}: choose another file")))?;
@@ -118,9 +126,9 @@ impl SweepWriter {
         missing
             .into_iter()
             .try_for_each(|quantity| new_quantity(file, quantity, header.members()))
+            // A flush may write to a copy of what is on the disk.
+            .and_then(|()| file.flush())
             .map_err(|error| not_written(path, &error))?;
-        // Copies that killed processes have left.
-        target::remove_parts(path);
         Ok(Self {
             path: path.to_owned(),
             header: sweep.header.clone(),
@@ -134,10 +142,12 @@ impl SweepWriter {
             fresh: Vec::new(),
             series_bytes: 0,
             copy: None,
+            copying: Duration::ZERO,
             flushed: Instant::now(),
             pause: FLUSH_EVERY,
             has_failed: false,
             file: sweep.into_file(),
+            _lock: lock,
         })
     }
 
@@ -161,7 +171,7 @@ impl SweepWriter {
         &self.quantities[quantity as usize]
     }
 
-    /// Records a member. It is on the disk about a second later, or ten times as long as a flush takes.
+    /// Records a member. It is on the disk about a second later, or twenty times as long as copying the file takes.
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails.
@@ -176,7 +186,7 @@ impl SweepWriter {
         }
         self.series_bytes += series;
         self.take(member);
-        let many = MANY_SERIES.0.max((MANY_SERIES.1 * self.file.size() as f64) as u64);
+        let many = ((MANY_SERIES_OVER_FILE * self.file.size() as f64) as u64).clamp(MANY_SERIES[0], MANY_SERIES[1]);
         if self.series_bytes >= many { self.flush() } else { self.flush_if_due() }
     }
 
@@ -205,12 +215,12 @@ impl SweepWriter {
     fn copied(&mut self, moves: bool) -> Result<PathBuf> {
         let path = target::resolved(&self.path);
         if moves && self.copy.is_none() {
-            let copy = target::part(&path)?;
+            let (copy, begun) = (target::part(&path)?, Instant::now());
             if let Err(error) = fs::copy(&path, &copy) {
                 let _ = fs::remove_file(&copy);
                 return Err(Error::io(&self.path, format!("cannot be written: {}", plain(&error))));
             }
-            self.copy = Some(copy);
+            (self.copy, self.copying) = (Some(copy), begun.elapsed());
         }
         Ok(self.copy.clone().unwrap_or(path))
     }
@@ -238,20 +248,19 @@ impl SweepWriter {
     /// # Errors
     /// [`Error::Io`] if writing fails.
     pub fn flush(&mut self) -> Result<()> {
-        let begun = Instant::now();
         if !self.fresh.is_empty() {
-            let made = self.make_room(0, 0);
-            self.has_failed |= made.is_err();
-            made?;
             self.write()?;
         }
         self.flushed = Instant::now();
-        self.pause = FLUSH_EVERY.max(PAUSE_OVER_FLUSH * begun.elapsed());
+        self.pause = FLUSH_EVERY.max(PAUSE_OVER_COPYING * std::mem::take(&mut self.copying));
         Ok(())
     }
 
     /// Writes to the file, or to its copy, which then replaces the file.
     fn write(&mut self) -> Result<()> {
+        let made = self.make_room(0, 0);
+        self.has_failed |= made.is_err();
+        made?;
         let Some(copy) = self.copy.take() else {
             let written = self.write_to(&self.file.clone());
             return self.noted(written);
@@ -259,7 +268,9 @@ impl SweepWriter {
         let file = hdf5::File::open_rw(&copy);
         let written = file.and_then(|file| self.write_to(&file).map(|()| file));
         let replaced = self.noted(written).and_then(|file| {
+            let begun = Instant::now();
             let replaced = target::replace_with_part(&copy, &target::resolved(&self.path));
+            self.copying += begun.elapsed();
             replaced.map(|()| file).map_err(|error| Error::io(&self.path, error))
         });
         if replaced.is_err() {
@@ -335,13 +346,11 @@ impl SweepWriter {
     /// # Errors
     /// [`Error::Io`] if writing fails.
     pub fn finish(&mut self) -> Result<()> {
-        self.flush()?;
         if !self.contacts.is_sorted_by_key(|(member, _)| *member) {
             self.contacts.sort_by_key(|(member, _)| *member);
             (self.contacts_written, self.rewrites_contacts) = (0, true);
         }
-        if self.rewrites_contacts {
-            self.make_room(0, 0)?;
+        if self.rewrites_contacts || !self.fresh.is_empty() {
             self.write()?;
         }
         let is_complete = self.mine().all(|member| self.status[member] != Status::Missing);

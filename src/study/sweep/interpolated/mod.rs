@@ -471,5 +471,6 @@ fn on_halving(difference: Errors, before: Errors, unevenness: f64, first: &Scene
     let smaller = ratio(difference.of(first.measure), before.of(first.measure)) * difference;
     let history = if difference.history <= first.tolerance { smaller.history } else { difference.history };
     let deflection = ratio(difference.deflection, before.deflection) * difference.deflection;
-    Errors { history, deflection, ..smaller }
+    let stress = ratio(difference.stress, before.stress) * difference.stress;
+    Errors { history, deflection, stress, ..smaller }
 }
