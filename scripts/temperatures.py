@@ -14,14 +14,14 @@ from estimates import percent
 from markers import replace, table
 
 SCENE = "scenes/laminate.toml"
-# A step of 0.05 °C, so that whole degrees are among the members. Bodies are made at quarters of the range and at their
-# halves; the temperatures compared are between them.
+# A step of 0.05 °C, so that whole degrees are among the members. Bodies are made at least at
+# every eighth of the range; the temperatures compared are between them.
 VALUES = "0..50:1001"
 COMPARED_TEMPERATURES = range(3, 50, 10)
 REFERENCE_TOLERANCE = 2e-3
 # Single runs before the sweep, and again after it.
 RUNS = 5
-HEAD = ["pane", "one run, one rank", "1,001 temperatures, two ranks", "peak of the first contact: largest error (estimate)", "largest tension: largest error (estimate)"]
+HEAD = ["pane", "one run, one rank", "1,001 temperatures, two ranks", "peak of the first contact: largest error of five (estimate there)", "largest tension: largest error of five (estimate there)"]
 
 
 @dataclass(frozen=True)
@@ -63,25 +63,25 @@ def row(program, out, number, pane):
         # The contacts are listed member by member.
         contacts = file["members/contacts"][:].astype(int)
         peaks = file["contacts/peak_force"][:][np.cumsum(contacts) - contacts]
-    of_peak, of_tension, estimates, of_tension_estimates = [], [], [], []
+    peak_errors, tension_errors, peak_estimates, tension_estimates = [], [], [], []
     for degrees in COMPARED_TEMPERATURES:
         keys = (f"body.temperature={degrees}.0", "body.model=layerwise", f"accuracy.tolerance={REFERENCE_TOLERANCE}")
         subprocess.run(run + [word for key in keys for word in ("--set", key)], check=True, capture_output=True)
         member = np.argmin(abs(members["vary/body.temperature"] - degrees))
         with h5py.File(single) as file:
-            of_peak.append(abs(peaks[member] / file["contacts/peak_force"][0] - 1))
-            of_tension.append(abs(members["largest_stress"][member] / file.attrs["largest_stress"] - 1))
-        estimates.append(members["first_contact_error"][member])
-        of_tension_estimates.append(members["stress_error_estimate"][member])
-    worst, worst_of_tension = int(np.argmax(of_peak)), int(np.argmax(of_tension))
+            peak_errors.append(abs(peaks[member] / file["contacts/peak_force"][0] - 1))
+            tension_errors.append(abs(members["largest_stress"][member] / file.attrs["largest_stress"] - 1))
+        peak_estimates.append(members["first_contact_error"][member])
+        tension_estimates.append(members["stress_error_estimate"][member])
+    worst, worst_tension = int(np.argmax(peak_errors)), int(np.argmax(tension_errors))
     cells = [
         pane.description,
         f"{median(runs):.2g} s",
         f"{seconds:.2g} s",
-        f"{percent(of_peak[worst])} ({percent(estimates[worst])})",
-        f"{percent(of_tension[worst_of_tension])} ({percent(of_tension_estimates[worst_of_tension])})",
+        f"{percent(peak_errors[worst])} ({percent(peak_estimates[worst])})",
+        f"{percent(tension_errors[worst_tension])} ({percent(tension_estimates[worst_tension])})",
     ]
-    print(*cells, of_peak, of_tension, flush=True)
+    print(*cells, peak_errors, tension_errors, flush=True)
     return cells
 
 

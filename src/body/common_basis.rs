@@ -48,14 +48,15 @@ pub struct CommonBasis {
 
 impl CommonBasis {
     /// Merges the vibrations `all` of several bodies. `ends` are two of the bodies with their parameters. Directions
-    /// are kept down to a weight of `depth` relative to the largest. In the modes, viscoelastic parts have their moduli
+    /// are kept down to a weight of `depth` relative to the largest, at least [`ROUNDING`] / [`DEPTH_OF_LARGER`]. In the modes, viscoelastic parts have their moduli
     /// at a rate (1/s). Collective.
     ///
     /// # Errors
     /// If a PETSc call fails.
     pub fn new(ends: [(f64, &dyn LinearBody); 2], all: &Columns, depth: f64, rate: f64) -> Result<Self> {
         let [(from, body), (to, other)] = ends;
-        // Rounding limits the depth of the larger basis. The basis has fewer vectors at any tolerance, so that the two differ.
+        // The larger basis ends where weights are rounding. If the other one ended there too, as it would at a small
+        // tolerance, both would be equal and the estimated error zero.
         let depth = depth.max(ROUNDING / DEPTH_OF_LARGER);
         let (directions, [vectors, _]) = main_directions(body, all, [depth, DEPTH_OF_LARGER * depth])?;
         let mut basis = directions.zeros(0);

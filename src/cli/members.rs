@@ -9,12 +9,12 @@ use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, GROWTH, Remark, UNESTIMATED_ROTATIONS, USELESS, remedy_of_tension, scope_of};
+use super::notes::{self, GROWTH, Remark, UNESTIMATED_ROTATIONS, USELESS, remedy_of_tension, scope_of_tolerance};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
 /// What may lower the error of a member.
-const REMEDIES: &str = "a smaller accuracy.tolerance may lower the error. Members of a sweep may share a body; a `ricochet run` of this member alone has a body of its own";
+const REMEDIES: &str = "a smaller accuracy.tolerance may lower the error; `ricochet run` of this member alone may, too, because it shares no basis with other members";
 
 /// Remarks on members, sorted by kind.
 #[derive(Default)]
@@ -105,10 +105,11 @@ impl Remarks {
             let over_thickness = of(Quantity::DeflectionOverThickness);
             let deflection_error = of(Quantity::DeflectionErrorEstimate);
             let tension_error = of(Quantity::StressErrorEstimate);
-            let is_for_force = *measure != Measure::Stress || tension_error.is_nan();
+            let applies_to_acceleration = *measure != Measure::Stress || tension_error.is_nan();
             let remark = |kind: &str, size: f64, text: String| Remark { kind: kind.to_owned(), size, text };
+            let of_what = if *measure == Measure::Acceleration { "" } else { " of the acceleration" };
             let of_first = format!(
-                "the estimated error in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e}",
+                "the estimated error{of_what} in the first contact is {} of the peak, above accuracy.tolerance = {tolerance:e}",
                 beside(first, *tolerance)
             );
             let (error, quantity) = match measure {
@@ -147,18 +148,23 @@ impl Remarks {
                     "{of_first}, and its results are of no use: `ricochet check` of this member's scene shows the causes of its error"
                 );
                 all.warnings.add(member, remark("useless", first, text));
-            } else if first > *tolerance && is_for_force {
+            } else if first > *tolerance && applies_to_acceleration {
                 let text = format!("{of_first}: {REMEDIES}");
                 all.warnings.add(member, remark("first contact", first, text));
             }
-            // The warning has named an error that hardly grows after the first contact.
+            // If the error hardly grows after the first contact, the warning above already reports it.
             let grows = whole > GROWTH * first;
-            let is_told = first > *tolerance && is_for_force && !grows;
-            if whole > *tolerance && !is_useless && !is_told {
-                let (later, scope) = (if grows { ": later times are more sensitive" } else { "" }, scope_of(*measure));
+            let is_reported = first > *tolerance && applies_to_acceleration && !grows;
+            if whole > *tolerance && !is_useless && !is_reported {
+                let later = if grows { ": later times are more sensitive" } else { "" };
+                let scope = scope_of_tolerance(if applies_to_acceleration && *measure == Measure::Stress {
+                    Measure::Acceleration
+                } else {
+                    *measure
+                });
                 let text = format!(
-                    "the estimated error of the acceleration over the whole history is {} of the peak, above accuracy.tolerance = \
-                     {tolerance:e}{scope}{later}; `ricochet run` of this member's scene says what may lower it",
+                    "the estimated error{of_what} over the whole history is {} of the peak, above accuracy.tolerance = \
+                     {tolerance:e}, which is for {scope}{later}; `ricochet run` of this member's scene says what may lower it",
                     beside(whole, *tolerance)
                 );
                 all.notes.add(member, remark("whole history", whole, text));

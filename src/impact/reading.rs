@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::form::stress::principal;
 use crate::scene::Vec3;
 use crate::space::evaluate::{
-    ContactNow, ContactSize, FaceStresses, FaceTension, FacesBetween, LocalPoint, Map, TensionMap,
+    ContactNow, ContactSize, FaceInterpolation, FaceStresses, FaceTension, LocalPoint, Map, TensionMap,
 };
 
 use super::step::Step;
@@ -25,8 +25,8 @@ pub struct Readout {
     pub fields: Option<(usize, Vec<Int>)>,
     /// Faces on which the largest tension is searched; no faces on a rank that does not read.
     pub faces: Option<Rc<FaceStresses>>,
-    /// If the tensions on these faces are interpolated between bodies: the bodies.
-    pub between: Option<FacesBetween>,
+    /// Interpolation of the tensions on these faces between bodies, if there is one.
+    pub face_interpolation: Option<FaceInterpolation>,
     /// Size of the contact area.
     pub contact: ContactSize,
     /// If only the largest tension of all steps is needed: the tension (Pa) below which a step need not be searched.

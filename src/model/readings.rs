@@ -61,7 +61,7 @@ impl Gauges {
             probes,
             fields: scene.output.fields.map(|every| (every, all)),
             faces: scene.output.stress.then(|| Rc::new(faces)),
-            between: None,
+            face_interpolation: None,
             contact,
             least_tension: None,
         };

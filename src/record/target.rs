@@ -100,7 +100,7 @@ pub(super) fn replace_with_part(part: &Path, path: &Path) -> io::Result<()> {
     if path.try_exists()? {
         synced(part)?;
         fs::rename(part, path)?;
-        // Some file systems cannot do this with a folder.
+        // Some file systems cannot sync a folder. The error is ignored.
         let _ = synced(folder(path));
         return Ok(());
     }
@@ -123,7 +123,7 @@ pub(super) fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Temporary file for a new result, in the folder of `path` (resolved). An older result remains complete until the new
+/// Temporary file for a new result, or for a copy of a sweep's file, in the folder of `path` (resolved). An older result remains complete until the new
 /// one has its first row. (H5Fcreate would cut the older file before it detects that another process has it open.)
 pub(super) fn part(path: &Path) -> Result<PathBuf> {
     beside(path, &format!("{}.part", std::process::id()))

@@ -23,7 +23,8 @@ const CHANGE: f64 = 1e-7;
 /// Largest m ω²/(S ξ²) of a wave. In the equivalent Mindlin plate, waves are slower than the shear waves of the plies.
 const FASTEST: f64 = 0.9;
 
-/// Eigenvalues below this fraction of the largest one are rounding errors. Such 1/ω² are left out, and such ω² are 0.
+/// Eigenvalues below this fraction of the largest one are rounding errors. If the eigenvalues
+/// are 1/ω², these waves are left out; if they are ω², their frequency is 0.
 const ROUNDING: f64 = 1e-14;
 
 /// Number of entries of the table between which a cubic interpolates.
@@ -238,9 +239,9 @@ pub struct LaminateMode {
 }
 
 impl LaminateWave {
-    /// The waves with moduli (Pa) beyond those of the stiffness, the slowest first. Waves that are more than 10⁷ times as fast
-    /// as the slowest one are left out if K is positive definite; if it is not, waves that are as much slower than the
-    /// fastest one have a frequency of 0.
+    /// The waves with moduli (Pa) beyond those of the stiffness, the slowest first. If the stiffness K is
+    /// positive definite, waves with more than 10⁷ times the lowest frequency are left out. Otherwise waves with less than 10⁻⁷
+    /// of the highest frequency have the frequency 0.
     ///
     /// With K = L Lᵀ and y = L⁻ᵀ x, the matrix L⁻¹ M L⁻ᵀ has the eigenvalues 1/ω². Its largest ones belong to the slowest waves, which are therefore
     /// accurate also beside the shear waves of a layer of some µm, 10⁸ times as fast. If K is numerically singular, M is factorised.

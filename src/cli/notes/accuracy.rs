@@ -198,13 +198,13 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
         let error = beside(errors.history, tolerance);
         let later = if grows { ": later times are more sensitive" } else { "" };
         let of_what = if measure == Measure::Acceleration { "" } else { " of the acceleration" };
-        let scope = scope_of(measure);
+        let scope = scope_of_tolerance(measure);
         let step = match scene.time.step {
             Some(_) => "; the error of the given time.step is not included",
             None => "",
         };
         missed.push(format!(
-            "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}{scope}{later}; \
+            "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for {scope}{later}; \
              what may lower it: {}{step}",
             remedies(&estimate.main_causes_of_history(), scene)
         ));
@@ -213,11 +213,11 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
 }
 
 /// What the tolerance applies to, in a remark on the whole history.
-pub fn scope_of(measure: Measure) -> &'static str {
+pub fn scope_of_tolerance(measure: Measure) -> &'static str {
     match measure {
-        Measure::Acceleration => ", which is for the first contact",
-        Measure::Stress => "; stresses are estimated in the first contact alone",
-        Measure::Deflection => "; it applies to the deflection and, in the first contact, to the acceleration",
+        Measure::Acceleration => "the first contact",
+        Measure::Stress => "the largest tension in the first contact",
+        Measure::Deflection => "the deflection and, in the first contact, the acceleration",
     }
 }
 
@@ -309,7 +309,10 @@ mod tests {
         assert!(told(errors(9e-3, 2e-2), Measure::Stress, true).is_empty());
         assert!(told(errors(9e-3, f64::NAN), Measure::Stress, false).is_empty());
         assert_eq!(told(errors(2e-2, 9e-3), Measure::Acceleration, false).len(), 1);
-        assert!(told(errors(2e-2, 9e-3), Measure::Stress, false)[0].contains("first contact alone"));
+        assert!(
+            told(errors(2e-2, 9e-3), Measure::Stress, false)[0]
+                .contains("is for the largest tension in the first contact")
+        );
     }
 
     /// A large error of the tension is noted only if the tolerance is smaller and applies to another quantity.

@@ -5,7 +5,7 @@ mod scene;
 
 pub use accuracy::{
     GROWTH, UNESTIMATED_ROTATIONS, USELESS, Verdict, describe_model, missed, note_of_measure, of_deflection,
-    of_tension, remedy_of_tension, scope_of, verdict, why_unestimated,
+    of_tension, remedy_of_tension, scope_of_tolerance, verdict, why_unestimated,
 };
 pub use scene::{missing_faces, near_clamped_edge, notes, of_geometry, of_values};
 

@@ -146,8 +146,8 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
     /// Reads the tensions on the faces in the steps. An interruption leaves the steps that have been read; after an
     /// interruption of the computation, all computed steps are read. Every rank calls this, because the ranks agree on
-    /// interruptions; one of them has the faces. Returns the estimated error in the largest tension if tensions are
-    /// interpolated between bodies.
+    /// interruptions; one of them has the faces. Returns the estimated interpolation error divided by the largest tension;
+    /// `None` if tensions are not interpolated between bodies.
     fn read_faces(
         &self,
         faces: Option<&FacesOfSteps>,

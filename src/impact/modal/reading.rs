@@ -7,8 +7,8 @@ use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::space::evaluate::{
-    ContactNow, ContactSize, Coordinates, FaceStresses, FaceTension, FacesBetween, InterpolatedTension, LineStresses,
-    Map, TensionMap, TensionSearch,
+    ContactNow, ContactSize, Coordinates, FaceInterpolation, FaceStresses, FaceTension, InterpolatedTension,
+    LineStresses, Map, TensionMap, TensionSearch,
 };
 
 use super::recorder::Moment;
@@ -61,7 +61,7 @@ impl StressesOfSteps {
     }
 
     /// Number of values of a step from which the stresses are computed.
-    fn weights(&self) -> usize {
+    fn inputs(&self) -> usize {
         match self {
             Self::All(stresses) => stresses.ncols(),
             Self::OnLines(lines) => lines.coordinates(),
@@ -185,11 +185,10 @@ impl<'a> FacesReading<'a> {
         Some(Self { stresses, weights, of_step, faces, readout, search, map, largest })
     }
 
-    /// Estimated error of the interpolation between bodies in the largest tension, over this tension; `None` if tensions
-    /// are not interpolated.
+    /// Estimated interpolation error divided by the largest tension; `None` if tensions are not interpolated.
     pub fn interpolation_error(&self) -> Option<f64> {
         let InterpolatedTension { value, error } = self.largest;
-        self.readout.between.as_ref().map(|_| if value > 0.0 { error / value } else { error })
+        self.readout.face_interpolation.as_ref().map(|_| if value > 0.0 { error / value } else { error })
     }
 
     /// Stores the largest tensions on the faces in the next steps.
@@ -209,7 +208,7 @@ impl<'a> FacesReading<'a> {
             self.interpolate(steps, all, &contacts);
         } else {
             let all = all.all();
-            let weights = all.chunks_exact(self.stresses.weights().max(1));
+            let weights = all.chunks_exact(self.stresses.inputs().max(1));
             for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights) {
                 let stresses = self.stresses.apply(self.faces, weights);
                 let (found, of_step) = self.faces.tensions(&stresses, contact, step.step.time);
@@ -222,7 +221,7 @@ impl<'a> FacesReading<'a> {
     /// Replaces tensions that are near the largest one by interpolated tensions, if there are bodies between which to
     /// interpolate.
     fn interpolate(&mut self, steps: &mut [Observed], coordinates: Coordinates, contacts: &[ContactNow]) {
-        let Some(between) = &self.readout.between else { return };
+        let Some(interpolation) = &self.readout.face_interpolation else { return };
         let of_steps = steps.iter().flat_map(|step| &step.reading.faces);
         let largest = of_steps.map(|found| found.largest).fold(self.largest.value, f64::max);
         // The stresses of the other bodies are in terms of the coordinates on the basis.
@@ -230,16 +229,17 @@ impl<'a> FacesReading<'a> {
             self.largest = InterpolatedTension { value: largest, error: f64::NAN };
             return;
         }
-        let limit = FacesBetween::lower_limit(largest, self.readout.least_tension.unwrap_or(f64::INFINITY));
+        let limit = FaceInterpolation::smallest(largest, self.readout.least_tension.unwrap_or(f64::INFINITY));
         let is_near = |found: &FaceTension| found.largest >= limit;
         for (number, (step, contact)) in steps.iter_mut().zip(contacts).enumerate() {
             if !step.reading.faces.iter().any(is_near) {
                 continue;
             }
-            let of_step = coordinates.of(&[number], self.stresses.weights());
+            let of_step = coordinates.of(&[number], self.stresses.inputs());
             for (face, found) in step.reading.faces.iter_mut().enumerate().filter(|(_, found)| is_near(found)) {
                 let unknown = InterpolatedTension { value: found.largest, error: f64::NAN };
-                let tension = between.interpolate(self.faces, (face, found), &of_step, contact).unwrap_or(unknown);
+                let tension =
+                    interpolation.interpolate(self.faces, (face, found), &of_step, contact).unwrap_or(unknown);
                 found.largest = tension.value;
                 if tension.value > self.largest.value {
                     self.largest = tension;

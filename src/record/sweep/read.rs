@@ -26,9 +26,9 @@ pub struct Sweep {
     pub(super) quantities: Vec<Vec<f64>>,
     /// Contacts of all members that are done, each with the number of its member, in the order of the members.
     pub contacts: Vec<(usize, Episode)>,
-    /// Whether the file has exactly these contacts in this order. After a kill it may have contacts of members whose status
+    /// Whether the file has exactly these contacts, in this order. After a kill it may have contacts of members whose status
     /// did not reach the disk.
-    pub(super) has_all_contacts_in_order: bool,
+    pub(super) matches_file_contacts: bool,
     /// Reasons for the failures, by member.
     pub(super) messages: BTreeMap<usize, String>,
     path: PathBuf,
@@ -101,11 +101,6 @@ impl Sweep {
     pub(super) fn file(&self) -> &hdf5::File {
         &self.file
     }
-
-    /// Returns the open file.
-    pub(super) fn into_file(self) -> hdf5::File {
-        self.file
-    }
 }
 
 /// Path `series/<index>/…` of a member for the path `series/…` of a column.
@@ -148,13 +143,13 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let row = |n: usize| (of_rows[n] as usize, episode(std::array::from_fn(|column| columns[column][n])));
     let is_done = |(member, _): &(usize, Episode)| status.get(*member) == Some(&Status::Done);
     let mut contacts: Vec<(usize, Episode)> = (0..rows).map(row).filter(is_done).collect();
-    let has_all_contacts_in_order = contacts.len() == longest && contacts.is_sorted_by_key(|(member, _)| *member);
+    let matches_file_contacts = contacts.len() == longest && contacts.is_sorted_by_key(|(member, _)| *member);
     contacts.sort_by_key(|(member, _)| *member);
     let messages = (0..).zip(file.dataset("members/message")?.read_raw::<Message>()?);
     let messages = messages.filter(|(_, message)| !message.is_empty()).map(|(n, message)| (n, message.to_string()));
     let messages = messages.collect();
     let path = path.to_owned();
-    Ok(Sweep { header, status, quantities, contacts, has_all_contacts_in_order, messages, path, file })
+    Ok(Sweep { header, status, quantities, contacts, matches_file_contacts, messages, path, file })
 }
 
 fn header(file: &hdf5::File) -> hdf5::Result<Header> {

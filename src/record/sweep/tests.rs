@@ -1,4 +1,4 @@
-//! Tests of the safety of a sweep's file: what is at its path at any moment is whole.
+//! Tests that the file of a sweep is valid at any moment.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
@@ -59,15 +59,14 @@ fn done(file: &Path) -> Vec<usize> {
     all
 }
 
-/// Whether a file still has its bytes, after the flags in its first ones, which say whether it is open. Space may have been
-/// reserved at its end.
-fn is_same(now: &[u8], before: &[u8]) -> bool {
+/// Whether a file still begins with the earlier bytes. The first 24 bytes are ignored: they contain the flag of an open file.
+fn has_same_bytes(now: &[u8], before: &[u8]) -> bool {
     const FLAGS: usize = 24;
     now[FLAGS..].starts_with(&before[FLAGS..])
 }
 
-/// A flush in which something moves does not touch the file that was at the path: another name of it keeps all its bytes.
-/// If nothing moves, the file remains the same.
+/// A flush that moves something replaces the file: a hard link to the old file keeps the old bytes. Otherwise the file is
+/// written in place.
 #[test]
 fn a_flush_that_moves_something_replaces_the_file() {
     for has_series in [false, true] {
@@ -84,7 +83,7 @@ fn a_flush_that_moves_something_replaces_the_file() {
             let is_replaced = path.metadata().unwrap().ino() != before.metadata().unwrap().ino();
             assert_eq!(is_replaced, moves, "{index} {has_series}");
             if moves {
-                assert!(is_same(&fs::read(&before).unwrap(), &bytes), "{index} {has_series}");
+                assert!(has_same_bytes(&fs::read(&before).unwrap(), &bytes), "{index} {has_series}");
                 assert_eq!(done(&before), earlier);
             }
             assert_eq!(done(&path).len(), earlier.len() + 1);
@@ -93,10 +92,10 @@ fn a_flush_that_moves_something_replaces_the_file() {
         let (before, bytes) = (folder.path().join("before.h5"), fs::read(&path).unwrap());
         fs::hard_link(&path, &before).unwrap();
         writer.finish().expect("an end");
-        assert!(is_same(&fs::read(&before).unwrap(), &bytes));
+        assert!(has_same_bytes(&fs::read(&before).unwrap(), &bytes));
         drop(writer);
         let sweep = Sweep::read(&path).expect("a whole sweep");
-        assert!(sweep.has_all_contacts_in_order && sweep.contacts.len() == 5003);
+        assert!(sweep.matches_file_contacts && sweep.contacts.len() == 5003);
         let hidden = fs::read_dir(folder.path()).unwrap().flatten();
         assert_eq!(hidden.filter(|entry| entry.file_name().to_string_lossy().starts_with('.')).count(), 0);
     }
@@ -125,10 +124,10 @@ fn what_a_kill_has_left_is_removed() {
     drop(writer);
     let sweep = Sweep::read(&path).expect("a whole sweep");
     assert_eq!(sweep.contacts.iter().map(|(member, _)| *member).collect::<Vec<_>>(), [0, 0, 2, 2, 3]);
-    assert!(sweep.has_all_contacts_in_order);
+    assert!(sweep.matches_file_contacts);
 }
 
-/// A file that lacks a quantity, as those of earlier versions do, is continued, also if the first flush moves something.
+/// A file of an earlier version, which lacks a quantity, is continued, also if the first flush moves something.
 #[test]
 fn a_file_without_a_quantity_is_continued() {
     let folder = tempfile::tempdir().unwrap();
@@ -146,6 +145,13 @@ fn a_file_without_a_quantity_is_continued() {
     writer.finish().expect("an end");
     drop(writer);
     assert_eq!(done(&path), [0, 1]);
+}
+
+/// Two processes cannot write the same sweep.
+#[test]
+fn a_second_writer_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, header) = (folder.path().join("s.h5"), header(2, false));
     let another = SweepWriter::open(&path, &header).expect("the sweep");
     let refused = SweepWriter::open(&path, &header).err().map(|error| error.to_string());
     assert!(refused.is_some_and(|text| text.contains("is being written by another run")));

@@ -30,12 +30,13 @@ pub(super) const KIND: &str = "sweep";
 /// Reason why a member failed. It has a fixed length, so that its space exists from the beginning.
 pub(super) type Message = FixedUnicode<MESSAGE>;
 const MESSAGE: usize = 400;
-/// Least wall time between two flushes.
-const FLUSH_EVERY: Duration = Duration::from_secs(1);
-/// Least ratio of the wall time between two flushes to the wall time in which the last one copied the file. Copying a file
-/// with many series takes long.
-const PAUSE_OVER_COPYING: u32 = 20;
-/// Series in memory from which a flush does not wait: a fraction of the size of the file, between two limits in bytes.
+/// Smallest wall time between two flushes, unless many series are waiting.
+const MIN_FLUSH_INTERVAL: Duration = Duration::from_secs(1);
+/// Smallest ratio of this time to the wall time in which the last flush copied the file. Copying a file with many series
+/// takes long.
+const MIN_INTERVAL_OVER_COPY_TIME: u32 = 20;
+/// Size of the unwritten series at which a flush happens at once: this fraction of the size of the file, within this range
+/// of bytes.
 const MANY_SERIES_OVER_FILE: f64 = 0.25;
 const MANY_SERIES: [u64; 2] = [1 << 26, 1 << 30];
 
@@ -60,7 +61,7 @@ pub struct SweepWriter {
     series_bytes: u64,
     /// Copy of the file to which the next flush writes, if something moves.
     copy: Option<PathBuf>,
-    /// Wall time in which the next flush has copied the file so far.
+    /// Wall time spent so far on copying the file for the next flush, and on replacing it.
     copying: Duration,
     /// Time of the last flush, and the least wall time from then to the next.
     flushed: Instant,
@@ -76,8 +77,8 @@ impl SweepWriter {
     /// Creates the sweep `path`, or continues it if it exists.
     ///
     /// # Errors
-    /// [`Error::Io`] if `path` is another kind of file, or a sweep of another scene or of other values, or if it cannot
-    /// be written.
+    /// [`Error::Io`] if `path` is another kind of file, or a sweep of another scene or of other values, if it cannot be
+    /// written, if another run is writing it, or if its name is reserved ([`Lock::take`]).
     pub fn open(path: &Path, header: &Header) -> Result<Self> {
         let lock = Lock::take(path)?;
         target::check_writable(path, target::Kind::Sweep)?;
@@ -110,7 +111,7 @@ impl SweepWriter {
             copy: None,
             copying: Duration::ZERO,
             flushed: Instant::now(),
-            pause: FLUSH_EVERY,
+            pause: MIN_FLUSH_INTERVAL,
             has_failed: false,
             _lock: lock,
         })
@@ -120,23 +121,28 @@ impl SweepWriter {
         let file = hdf5::File::open_rw(path).map_err(|error| not_written(path, &error))?;
         let sweep = Sweep::of(path, file)?;
         header.check_same(&sweep.header).map_err(|why| Error::io(path, format!("{why}: choose another file")))?;
-        let file = sweep.file();
         // Quantities that an earlier version did not store.
-        let missing = Quantity::ALL.iter().filter(|(_, name, _)| !file.link_exists(&format!("members/{name}")));
-        missing
-            .into_iter()
-            .try_for_each(|quantity| new_quantity(file, quantity, header.members()))
-            // A flush may write to a copy of what is on the disk.
-            .and_then(|()| file.flush())
-            .map_err(|error| not_written(path, &error))?;
+        let is_missing = |name: &str| !sweep.file().link_exists(&format!("members/{name}"));
+        let missing: Vec<_> = Quantity::ALL.iter().filter(|(_, name, _)| is_missing(name)).collect();
+        let file = if missing.is_empty() {
+            sweep.file().clone()
+        } else {
+            let new = |file: &hdf5::File| {
+                missing.iter().try_for_each(|quantity| new_quantity(file, quantity, header.members()))?;
+                file.flush()
+            };
+            let copy = copy_of(path)?;
+            let written = hdf5::File::open_rw(&copy).and_then(|file| new(&file).map(|()| file));
+            replaced(path, &copy, written.map_err(|error| not_written(path, &error)))?
+        };
         Ok(Self {
             path: path.to_owned(),
             header: sweep.header.clone(),
             status: sweep.status.clone(),
             quantities: sweep.quantities.clone(),
             contacts: sweep.contacts.clone(),
-            contacts_written: if sweep.has_all_contacts_in_order { sweep.contacts.len() } else { 0 },
-            rewrites_contacts: !sweep.has_all_contacts_in_order,
+            contacts_written: if sweep.matches_file_contacts { sweep.contacts.len() } else { 0 },
+            rewrites_contacts: !sweep.matches_file_contacts,
             messages: sweep.messages.clone(),
             is_new: false,
             fresh: Vec::new(),
@@ -144,9 +150,9 @@ impl SweepWriter {
             copy: None,
             copying: Duration::ZERO,
             flushed: Instant::now(),
-            pause: FLUSH_EVERY,
+            pause: MIN_FLUSH_INTERVAL,
             has_failed: false,
-            file: sweep.into_file(),
+            file,
             _lock: lock,
         })
     }
@@ -171,7 +177,8 @@ impl SweepWriter {
         &self.quantities[quantity as usize]
     }
 
-    /// Records a member. It is on the disk about a second later, or twenty times as long as copying the file takes.
+    /// Records a member. It is written at the next flush: about a second after the last one, later if copying the file takes
+    /// more than a twentieth of a second, and sooner if many series are waiting.
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails.
@@ -206,23 +213,19 @@ impl SweepWriter {
         let more = (self.contacts.len() + contacts).div_ceil(chunk) - self.contacts_written.div_ceil(chunk);
         let (series, of_contacts) =
             (self.series_bytes + series, 8 * (1 + CONTACTS.len() as u64) * (more * chunk) as u64);
-        let file = self.copied(series > 0 || more > 0 || self.rewrites_contacts)?;
+        let file = self.file_to_write(series > 0 || more > 0 || self.rewrites_contacts)?;
         let made = room::make(&file, self.file.size() + series + of_contacts + room::BYTES_PER_FLUSH);
         made.map_err(|error| Error::io(&self.path, format!("cannot be written: {}", plain(&error))))
     }
 
-    /// File to which the next flush writes. If something moves, it is a copy.
-    fn copied(&mut self, moves: bool) -> Result<PathBuf> {
-        let path = target::resolved(&self.path);
+    /// Returns the file that the next flush writes. Makes a copy first if something moves.
+    fn file_to_write(&mut self, moves: bool) -> Result<PathBuf> {
         if moves && self.copy.is_none() {
-            let (copy, begun) = (target::part(&path)?, Instant::now());
-            if let Err(error) = fs::copy(&path, &copy) {
-                let _ = fs::remove_file(&copy);
-                return Err(Error::io(&self.path, format!("cannot be written: {}", plain(&error))));
-            }
-            (self.copy, self.copying) = (Some(copy), begun.elapsed());
+            let begun = Instant::now();
+            self.copy = Some(copy_of(&self.path)?);
+            self.copying = begun.elapsed();
         }
-        Ok(self.copy.clone().unwrap_or(path))
+        Ok(self.copy.clone().unwrap_or_else(|| target::resolved(&self.path)))
     }
 
     /// Converts an error of HDF5 to an error of this file, and remembers it so that nothing more is written.
@@ -252,7 +255,7 @@ impl SweepWriter {
             self.write()?;
         }
         self.flushed = Instant::now();
-        self.pause = FLUSH_EVERY.max(PAUSE_OVER_COPYING * std::mem::take(&mut self.copying));
+        self.pause = MIN_FLUSH_INTERVAL.max(MIN_INTERVAL_OVER_COPY_TIME * std::mem::take(&mut self.copying));
         Ok(())
     }
 
@@ -267,17 +270,11 @@ impl SweepWriter {
         };
         let file = hdf5::File::open_rw(&copy);
         let written = file.and_then(|file| self.write_to(&file).map(|()| file));
-        let replaced = self.noted(written).and_then(|file| {
-            let begun = Instant::now();
-            let replaced = target::replace_with_part(&copy, &target::resolved(&self.path));
-            self.copying += begun.elapsed();
-            replaced.map(|()| file).map_err(|error| Error::io(&self.path, error))
-        });
-        if replaced.is_err() {
-            self.has_failed = true;
-            let _ = fs::remove_file(&copy);
-        }
+        let (written, begun) = (self.noted(written), Instant::now());
+        let replaced = replaced(&self.path, &copy, written);
+        self.has_failed |= replaced.is_err();
         self.file = replaced?;
+        self.copying += begun.elapsed();
         Ok(())
     }
 
@@ -311,7 +308,7 @@ impl SweepWriter {
         }
         if let Some(series) = member.series.as_ref().filter(|_| member.status == Status::Done) {
             let root = file.group("series")?;
-            // An earlier version may have left it when it was killed.
+            // A killed process of an earlier version of ricochet may have left this group.
             if root.link_exists(&index.to_string()) {
                 root.unlink(&index.to_string())?;
             }
@@ -346,6 +343,10 @@ impl SweepWriter {
     /// # Errors
     /// [`Error::Io`] if writing fails.
     pub fn finish(&mut self) -> Result<()> {
+        // Without a copy the members need no more space on the disk. Sorting the contacts does.
+        if self.copy.is_none() {
+            self.flush()?;
+        }
         if !self.contacts.is_sorted_by_key(|(member, _)| *member) {
             self.contacts.sort_by_key(|(member, _)| *member);
             (self.contacts_written, self.rewrites_contacts) = (0, true);
@@ -386,6 +387,28 @@ impl Drop for SweepWriter {
             let _ = fs::remove_file(copy);
         }
     }
+}
+
+/// Copies a file for a change. The copy is in the same folder.
+fn copy_of(path: &Path) -> Result<PathBuf> {
+    let file = target::resolved(path);
+    let copy = target::part(&file)?;
+    fs::copy(&file, &copy).map(|_| copy.clone()).map_err(|error| {
+        let _ = fs::remove_file(&copy);
+        Error::io(path, format!("cannot be written: {}", plain(&error)))
+    })
+}
+
+/// Replaces a file by its copy with the changes (`written`), which is returned open. If writing has failed, the copy is
+/// removed.
+fn replaced(path: &Path, copy: &Path, written: Result<hdf5::File>) -> Result<hdf5::File> {
+    let replaced = written.and_then(|file| {
+        target::replace_with_part(copy, &target::resolved(path)).map(|()| file).map_err(|error| Error::io(path, error))
+    });
+    if replaced.is_err() {
+        let _ = fs::remove_file(copy);
+    }
+    replaced
 }
 
 /// Error text of the operating system without the error number.

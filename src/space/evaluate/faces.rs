@@ -366,8 +366,8 @@ impl FaceStresses {
         (found, TensionMap::of_step(all, time))
     }
 
-    /// Largest principal stress at a point of a face, from the coordinates of a body reduced to a basis and the contact, Pa.
-    /// `None` if the point is left out, or if the stresses are not stored as a dense matrix.
+    /// Largest principal stress at a point of a face, Pa. `coordinates` are the coordinates of the body on its basis. `None`
+    /// if the point is left out, or if the stresses are not a dense matrix with this number of coordinates.
     pub(super) fn tension_at(
         &self,
         face: usize,

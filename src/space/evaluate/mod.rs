@@ -1,6 +1,6 @@
 //! Displacements and stresses at any points of a body, as linear functions of its unknowns.
 
-mod between;
+mod face_interpolation;
 mod faces;
 mod grid;
 mod line_stress;
@@ -12,7 +12,7 @@ mod smoothed;
 mod stress_map;
 mod tension_map;
 
-pub use between::{FacesBetween, InterpolatedTension, WeightedFaces};
+pub use face_interpolation::{FaceInterpolation, InterpolatedTension, WeightedFaces};
 pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use line_stress::{AtPlace, FaceLines, LinePart, LineStresses, Lines};

@@ -258,8 +258,8 @@ fn short_maxima_between_the_first_steps_are_found() {
     let count = 400_usize;
     let near = |step: usize, middle: f64, width: f64| ((step as f64 - middle) / width).powi(2);
     for (of_vibration, of_force) in [(1.0, 0.0), (0.05, 1e9), (1.0, 3e8)] {
-        // Half a sine, whose maximum is halfway between multiples of eight and 2.5 times the values four steps away. A
-        // slower maximum of 0.95 is higher at the steps that are evaluated first.
+        // Half a period of a sine, with its maximum of 1 at step 212, halfway between two multiples of eight; four steps away
+        // it is 0.4. A slow maximum of 0.95 is therefore larger at the steps that are evaluated first.
         let short = |step: usize| (0.29 * (step as f64 - 212.0)).clamp(-FRAC_PI_2, FRAC_PI_2).cos();
         let slow = |step: usize| 0.95 * (-near(step, 320.0, 30.0)).exp();
         let size = |step: usize| of_vibration * short(step).max(slow(step));

@@ -2,7 +2,8 @@
 //!
 //! All bodies have one mesh, made for the shortest waves of all members, and one basis, made of the vibrations of three
 //! bodies. Bodies are made at a few values, each with its own relaxation and its own local field under the impactor.
-//! The response ([`Response`]) at other values follows by cubic interpolation. Where the interpolated response at the
+//! The response ([`Response`]) at other values follows by cubic interpolation, and so do the largest tensions on faces
+//! ([`FaceInterpolation`]). Where the interpolated response at the
 //! middle of an interval differs too much from the body there, the interval is halved. Each body is made by one rank,
 //! with the same numbers on any rank, and all ranks receive it.
 
@@ -21,7 +22,7 @@ use crate::impact::{Errors, Readout};
 use crate::model::watch::Watch;
 use crate::model::{BASIS_SHARE, LARGE_ERROR_OF_DEFLECTION, is_quickly_reduced_again};
 use crate::scene::{Initial, Load, Model, Scene};
-use crate::space::evaluate::{FacesBetween, WeightedFaces};
+use crate::space::evaluate::{FaceInterpolation, WeightedFaces};
 use crate::space::plate::contact_wavelength;
 use maker::{Cells, Made, Sample, SampleNumbers, SharedBasis};
 
@@ -67,7 +68,7 @@ pub struct Interpolated {
     /// Error of the basis.
     of_basis: Errors,
     /// Interpolants of neighbouring bodies, by the index of the first body. Each is made when a member first needs it.
-    between: Vec<OnceCell<Interpolant>>,
+    interpolants: Vec<OnceCell<Interpolant>>,
     is_geometric: bool,
 }
 
@@ -182,8 +183,8 @@ impl Interpolated {
         let of_model = of_cells.joined(of_basis);
         // All members have the same tolerance, for the same quantity.
         let first = scene(0)?;
-        let (nodes, errors, between) = (Vec::new(), Vec::new(), Vec::new());
-        let mut all = Self { shared, nodes, errors, of_model, of_basis, between, is_geometric };
+        let (nodes, errors, interpolants) = (Vec::new(), Vec::new(), Vec::new());
+        let mut all = Self { shared, nodes, errors, of_model, of_basis, interpolants, is_geometric };
         let mut nodes: BTreeMap<usize, Node> = BTreeMap::new();
         // Intervals whose middle is not known yet. Initially only the ends of intervals are computed.
         let mut open: Vec<Interval> = Vec::new();
@@ -233,8 +234,8 @@ impl Interpolated {
         }
         all.errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.nodes = nodes.into_values().collect();
-        tracing::info!(bodies = all.nodes.len(), "bodies between which to interpolate");
-        all.between = all.nodes.windows(STENCIL).map(|_| OnceCell::new()).collect();
+        tracing::info!(bodies = all.nodes.len(), "interpolation bodies");
+        all.interpolants = all.nodes.windows(STENCIL).map(|_| OnceCell::new()).collect();
         Ok(Some(all))
     }
 
@@ -283,17 +284,17 @@ impl Interpolated {
         let errors = self.of_model.joined(of_interpolation);
         let Some(between) = between(&near, value, self.is_geometric) else { return Ok(None) };
         let readout = match scene.output.is_read() {
-            true => self.readout_between(&between, value)?,
+            true => self.readout_at(&between, value)?,
             false => None,
         };
-        let known = self.between.get(between.begin);
+        let known = self.interpolants.get(between.begin);
         let known = known.map(|known| known.get_or_init(|| Interpolant::new(&between.bodies)));
         Ok(Some((between.body(known), errors, readout)))
     }
 
-    /// Readout of the stresses on faces, interpolated at a value: the readout of the nearest body, with the faces of all
-    /// bodies of the interpolation.
-    fn readout_between(&self, between: &Between, value: f64) -> Result<Option<Readout>> {
+    /// Readout of the nearest body at a value. It also contains the faces of all bodies of the interpolation, with their
+    /// weights.
+    fn readout_at(&self, between: &Between, value: f64) -> Result<Option<Readout>> {
         let nodes = &self.nodes[between.begin..between.begin + between.weights.len()];
         let readouts = nodes.iter().map(|node| self.readout(node)).collect::<Result<Vec<_>>>()?;
         let linear_weights = linear_weights(nodes, value, self.is_geometric);
@@ -302,8 +303,8 @@ impl Interpolated {
         let bodies = weighted.filter_map(|((readout, &weight), &linear_weight)| {
             Some(WeightedFaces { faces: readout.faces.clone()?, weight, linear_weight })
         });
-        let all = FacesBetween { bodies: bodies.collect() };
-        Ok(nearest.map(|nearest| Readout { between: Some(all), ..readouts[nearest].clone() }))
+        let all = FaceInterpolation { bodies: bodies.collect() };
+        Ok(nearest.map(|nearest| Readout { face_interpolation: Some(all), ..readouts[nearest].clone() }))
     }
 
     /// Readout of the stresses on a body's faces.
@@ -432,7 +433,7 @@ fn between<'a>(nodes: &[&'a Node], value: f64, is_geometric: bool) -> Option<Bet
     (!bodies.is_empty()).then_some(Between { begin, bodies, weights })
 }
 
-/// Weights of bodies, in ascending order of values, in the linear interpolation between the two nearest to a value.
+/// Weights of bodies, in ascending order of values, in the linear interpolation between the two that enclose a value.
 fn linear_weights(nodes: &[Node], value: f64, is_geometric: bool) -> Vec<f64> {
     let mut weights = vec![0.0; nodes.len()];
     let above = nodes.partition_point(|node| node.value < value).clamp(1, nodes.len().max(2) - 1);

@@ -1,7 +1,7 @@
 //! Interpolates the largest tensions on faces between bodies that differ in one value.
 //!
-//! The largest tension is searched with the stresses of one body. Only at the points found, and only where the tension is
-//! near the largest of all steps, are the stresses of the other bodies evaluated, too. A change of the value also moves
+//! The largest tension is searched with the stresses of one body. Tensions of at least 0.8 of the largest are then
+//! corrected: the stresses of the other bodies are evaluated at the same point and step. A change of the value also moves
 //! the point of the largest tension, but near a maximum this changes the tension little.
 
 use std::rc::Rc;
@@ -9,12 +9,12 @@ use std::rc::Rc;
 use super::{ContactNow, FaceStresses, FaceTension};
 
 /// Tensions below this fraction of the largest one are not interpolated. Tensions of neighbouring bodies are assumed to
-/// differ less.
+/// differ by less than 20%.
 const NEAR_LARGEST: f64 = 0.8;
 
-/// Bodies between which tensions are interpolated. They have the same points and coordinates.
+/// Bodies between which tensions are interpolated. They have the same sampled points and the same basis.
 #[derive(Clone)]
-pub struct FacesBetween {
+pub struct FaceInterpolation {
     /// The bodies.
     pub bodies: Vec<WeightedFaces>,
 }
@@ -22,7 +22,7 @@ pub struct FacesBetween {
 /// Faces of a body, with its weights in the interpolation.
 #[derive(Clone)]
 pub struct WeightedFaces {
-    /// Stresses on the faces; one value for each coordinate and component.
+    /// Stresses on the faces for a unit value of each coordinate on the basis.
     pub faces: Rc<FaceStresses>,
     /// Weight in the interpolation.
     pub weight: f64,
@@ -39,15 +39,15 @@ pub struct InterpolatedTension {
     pub error: f64,
 }
 
-impl FacesBetween {
-    /// Smallest tension that is interpolated, if the largest one is `largest` and tensions above `least` are of interest,
-    /// Pa.
-    pub fn lower_limit(largest: f64, least: f64) -> f64 {
-        NEAR_LARGEST * largest.min(least)
+impl FaceInterpolation {
+    /// Smallest tension that is interpolated: a fraction of the largest one or, if that is lower, of a strength, Pa.
+    pub fn smallest(largest: f64, strength: f64) -> f64 {
+        NEAR_LARGEST * largest.min(strength)
     }
 
     /// Interpolates the largest tension of a face at a step, which was found with the stresses of one of the bodies
-    /// (`searched`). `coordinates` are those of the bodies at this step. `None` if a body has no stress at the point.
+    /// (`searched`). `coordinates` are the coordinates on the basis at this step. `None` if the points are not on a grid, if
+    /// a body has no stress at the point, or if its stresses are not a dense matrix with this number of coordinates.
     pub fn interpolate(
         &self,
         searched: &FaceStresses,
@@ -73,7 +73,8 @@ mod tests {
     use super::super::{Face, Map, StressMap};
     use super::*;
 
-    /// A face whose tension is twice the one coordinate, at the point in the middle of nine, times a factor.
+    /// A face of nine points on a basis of one vector. At the middle point the tension is twice the factor times the
+    /// coordinate.
     fn face(factor: f64) -> Rc<FaceStresses> {
         let lines = [-0.1, 0.0, 0.1].to_vec();
         let grid = FaceGrid { axes: [0, 1], lines: [lines.clone(), lines.clone()], is_mirrored: [false; 2] };
@@ -113,16 +114,16 @@ mod tests {
             })
             .collect();
         let searched = bodies[1].faces.clone();
-        let between = FacesBetween { bodies };
+        let interpolation = FaceInterpolation { bodies };
         let found = FaceTension { largest: 3.0 * 2.0 * cubic(1.0), point: [0.01, -0.02, 0.0] };
         let contact = ContactNow::default();
-        let interpolated = between.interpolate(&searched, (0, &found), &[3.0], &contact).expect("stresses");
+        let interpolated = interpolation.interpolate(&searched, (0, &found), &[3.0], &contact).expect("stresses");
         let [exact, linear] = [cubic(x), 0.7 * cubic(1.0) + 0.3 * cubic(2.0)].map(|factor| 3.0 * 2.0 * factor);
         // Rounding of sums of a few numbers.
         assert!((interpolated.value - exact).abs() < 1e-13 * exact, "{interpolated:?} {exact}");
         assert!((interpolated.error - (exact - linear).abs()).abs() < 1e-13 * exact, "{interpolated:?} {linear}");
         assert!(interpolated.error > 1e-3);
-        // Stresses in terms of other coordinates give no tension.
-        assert_eq!(between.interpolate(&searched, (0, &found), &[3.0, 1.0], &contact), None);
+        // A wrong number of coordinates gives no tension.
+        assert_eq!(interpolation.interpolate(&searched, (0, &found), &[3.0, 1.0], &contact), None);
     }
 }
