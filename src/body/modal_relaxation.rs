@@ -40,7 +40,7 @@ impl ModalRelaxation {
     /// Restricts relaxation to the directions that an accuracy requires, for a run of length `end` (s) and modes of the
     /// given amplitudes. The other directions keep the modulus of the modes. `None` if no term relaxes.
     pub fn in_few_directions(self, amplitudes: &DVector<f64>, end: f64, accuracy: f64) -> Option<Self> {
-        let left_out = left_out(&self.chain, end, accuracy);
+        let left_out = left_out(&self.chain, self.rate, end, accuracy);
         match Directions::new(&self.distortion, amplitudes, &left_out) {
             Some(directions) => self.in_directions(directions, |_| true),
             None => Some(self),

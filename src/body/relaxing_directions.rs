@@ -18,6 +18,10 @@ use crate::material::{Maxwell, Term};
 /// With this factor, the largest of these errors is 0.96 times the accuracy.
 const LEFT_OUT: f64 = 6.0;
 
+/// Assumed ratio of the frequency of the fastest vibrations that matter to the rate of the modes. A term that relaxes
+/// faster is a dashpot in all of them. An estimate.
+const FASTEST_VIBRATION: f64 = 100.0;
+
 /// Ratio to the largest eigenvalue of D below which an eigenvalue is rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -48,14 +52,21 @@ pub struct Directions {
 }
 
 /// Returns the fraction of the strain energy that each term of a Prony series may keep as springs, in a run of length
-/// `end` (s).
+/// `end` (s), for modes that were computed with the modulus at a rate (1/s).
 ///
 /// A term loses G(1 − exp(−T/τ)) in a run of length T. The error of its springs is proportional to this loss and to the
-/// square root of their energy. A term that loses less therefore relaxes in fewer directions, or in none.
-pub fn left_out(chain: &Maxwell, end: f64, accuracy: f64) -> Vec<f64> {
+/// square root of their energy. A term that loses less therefore relaxes in fewer directions, or in none. The loss is
+/// relative to the largest loss of a term or, if this is smaller, to the modulus of the modes: terms that relax long
+/// before the modes move may be a hundred times as stiff as the others, but they hold nothing. (With the largest loss
+/// alone, a laminate at 41 °C, with terms of 8 to 120 MPa that relax within 2 µs and of 0.4 to 3 MPa that are slower, had
+/// an error of 10% of the peak and an estimate of 0.8%, because the slow terms did not relax. On eleven such laminates the
+/// error is now at most 0.5%.) The number of directions of the fast terms themselves does not change.
+pub fn left_out(chain: &Maxwell, rate: f64, end: f64, accuracy: f64) -> Vec<f64> {
     let lost = |term: &Term| -(-end / term.time).exp_m1() * term.modulus;
     let largest = chain.terms.iter().map(lost).fold(f64::MIN_POSITIVE, f64::max);
-    chain.terms.iter().map(|term| (LEFT_OUT * accuracy * largest / lost(term)).powi(2)).collect()
+    let held = chain.transformed(rate);
+    let reference = |term: &Term| largest.min(held / (FASTEST_VIBRATION * rate * term.time).min(1.0));
+    chain.terms.iter().map(|term| (LEFT_OUT * accuracy * reference(term) / lost(term)).powi(2)).collect()
 }
 
 impl Directions {
@@ -114,6 +125,27 @@ mod tests {
     #[test]
     fn no_modes_have_no_directions() {
         assert!(Directions::new(&DMatrix::zeros(0, 0), &DVector::zeros(0), &[1e-3, 1e-3]).is_none());
+    }
+
+    /// A stiff term that relaxes long before the modes move does not change the fractions of the other terms, beyond its part
+    /// of the modulus of the modes. If the largest loss is that of a term that the modes feel, it is the reference.
+    #[test]
+    fn fast_terms_do_not_hold_slow_ones() {
+        let term = |modulus: f64, time: f64| Term { modulus, time };
+        let chain = |terms: &[Term]| Maxwell { equilibrium: 3e5, terms: terms.to_vec() };
+        let (rate, end, accuracy) = (3e3, 8e-3, 2e-3);
+        let slow = [term(1e6, 1e-4), term(4e5, 1e-3)];
+        let with_fast = [term(1e8, 1e-10), slow[0], slow[1]];
+        let [alone, beside] = [chain(&slow), chain(&with_fast)].map(|chain| left_out(&chain, rate, end, accuracy));
+        // G̃ = 0.3 + 0.23 + 0.3 MPa is below the largest loss, 1 MPa, and the fast term adds 1e8 · 3e-7 Pa to it.
+        for (alone, beside) in alone.iter().zip(&beside[1..]) {
+            assert!((alone / beside - 1.0).abs() < 1e-4, "{alone} {beside}");
+            assert!(*alone < 1e-2, "{alone}");
+        }
+        assert!(beside[0] < 1e-3);
+        let stiff = Maxwell { equilibrium: 1e7, terms: slow.to_vec() };
+        let of_largest = left_out(&stiff, rate, end, accuracy)[0];
+        assert!((of_largest / (LEFT_OUT * accuracy).powi(2) - 1.0).abs() < 1e-12, "{of_largest}");
     }
 
     /// D = B Bᵀ in the rows of the heaviest modes, to rounding. The remainder is positive and as small as requested.

@@ -190,13 +190,15 @@ impl Remarks {
 
 /// Prints a note for each key without effect: members that differ only in this key have identical results.
 pub fn tell_of_idle_keys(grid: &Grid, writer: &SweepWriter) {
-    const KEPT: [Quantity; 6] = [
+    const KEPT: [Quantity; 8] = [
         Quantity::PeakForce,
         Quantity::PeakTime,
         Quantity::Impulse,
         Quantity::Contacts,
         Quantity::ReboundSpeed,
         Quantity::LargestDeflection,
+        Quantity::LargestStress,
+        Quantity::StrengthPassedAt,
     ];
     let is_done = |member: &usize| writer.status()[*member] == Status::Done;
     for (place, key) in grid.keys().iter().enumerate() {
