@@ -70,7 +70,8 @@ impl FaceInterpolation {
 #[cfg(test)]
 mod tests {
     use super::super::faces::FaceGrid;
-    use super::super::{Face, Map, StressMap};
+    use super::super::faces::tests::on_grid;
+    use super::super::{Map, StressMap};
     use super::*;
 
     /// A face of nine points on a basis of one vector. At the middle point the tension is twice the factor times the
@@ -81,17 +82,7 @@ mod tests {
         let points: Vec<_> = lines.iter().flat_map(|a| lines.iter().map(|b| [*a, *b, 0.0])).collect();
         let rows = points.iter().flat_map(|[a, b, _]| [factor * (2.0 - a * a - b * b), 0.0, 0.0]).collect();
         let map = StressMap::Forms { map: Map::Dense(1, rows), components: 3 };
-        let face = Face {
-            name: String::new(),
-            left_out: vec![false; points.len()],
-            points,
-            first: 0,
-            across: None,
-            local: Vec::new(),
-            sign: 1.0,
-            grid: Some(grid),
-        };
-        Rc::new(FaceStresses::new(map, vec![face]))
+        Rc::new(FaceStresses::new(map, vec![on_grid(grid, points)]))
     }
 
     /// Stresses that are a cubic function of the value are interpolated exactly; the estimated error is that of linear

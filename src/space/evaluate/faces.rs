@@ -403,4 +403,4 @@ impl FaceStresses {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

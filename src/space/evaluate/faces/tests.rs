@@ -1,5 +1,19 @@
 use super::*;
 
+/// A face with stresses at the points of a grid, without a local field.
+pub fn on_grid(grid: FaceGrid, points: Vec<Vec3>) -> Face {
+    Face {
+        name: String::new(),
+        left_out: vec![false; points.len()],
+        points,
+        first: 0,
+        across: None,
+        local: Vec::new(),
+        sign: 1.0,
+        grid: Some(grid),
+    }
+}
+
 /// The height of a maximum between grid points has an error of third order in the spacing; the error of its position is
 /// below the square of the spacing. This holds on a plane of symmetry too.
 #[test]
@@ -12,16 +26,7 @@ fn a_largest_value_between_points_is_found() {
             let points = grid.points(2, 0.5);
             let bump = |p: &Vec3| (-((p[0] - x).powi(2) + 2.0 * (p[1] - y).powi(2))).exp();
             let stresses: Vec<f64> = points.iter().flat_map(|p| [bump(p), 0.2, 0.0]).collect();
-            let face = Face {
-                name: String::new(),
-                left_out: vec![false; points.len()],
-                points,
-                first: 0,
-                across: None,
-                local: Vec::new(),
-                sign: 1.0,
-                grid: Some(grid.clone()),
-            };
+            let face = on_grid(grid.clone(), points);
             let map = StressMap::Forms { map: Map::Dense(0, Vec::new()), components: 3 };
             let faces = FaceStresses::new(map, vec![face]);
             let (found, of_points) = faces.tensions(&stresses, &ContactNow::default(), 0.0);
