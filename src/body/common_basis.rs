@@ -48,7 +48,8 @@ pub struct CommonBasis {
 
 impl CommonBasis {
     /// Merges the vibrations `all` of several bodies. `ends` are two of the bodies with their parameters. Directions
-    /// are kept down to a weight of `depth` relative to the largest, at least `ROUNDING / DEPTH_OF_LARGER`. In the modes, viscoelastic parts have their moduli
+    /// are kept down to a weight of `depth` relative to the largest, at least `ROUNDING / DEPTH_OF_LARGER`. In the
+    /// modes, viscoelastic parts have their moduli
     /// at a rate (1/s). Collective.
     ///
     /// # Errors

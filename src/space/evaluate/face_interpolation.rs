@@ -26,7 +26,8 @@ pub struct WeightedFaces {
     pub faces: Rc<FaceStresses>,
     /// Weight in the interpolation.
     pub weight: f64,
-    /// Weight in the linear interpolation between the two nearest bodies, with which the error is estimated.
+    /// Weight in the linear interpolation between the two bodies that enclose the value, with which the error is
+    /// estimated.
     pub linear_weight: f64,
 }
 

@@ -270,7 +270,8 @@ impl Interpolated {
         self.shared.unknowns
     }
 
-    /// The interpolated body at a value for a member's run, with its errors and the readout of the stresses on faces. Returns `None` if the member's impact differs from the one for which the errors are estimated.
+    /// The interpolated body at a value for a member's run, with its errors and the readout of the stresses on faces.
+    /// Returns `None` if the member's impact differs from the one for which the errors are estimated.
     ///
     /// # Errors
     /// Same as making a model.
