@@ -41,12 +41,12 @@ impl LocalBody {
         Self { system, products: RefCell::default(), classes, exchange: None }
     }
 
-    /// Returns the elastic body with the stiffness at a time (s) after a step of the strain.
-    pub fn elastic_at(&self, time: f64) -> Self {
+    /// Returns an elastic body whose viscoelastic parts are springs with their secant moduli at a time, s.
+    pub fn elastic_secant(&self, time: f64) -> Self {
         Self {
-            system: self.system.elastic_at(time),
+            system: self.system.elastic_secant(time),
             products: RefCell::default(),
-            classes: self.classes.iter().map(|class| class.elastic_at(time)).collect(),
+            classes: self.classes.iter().map(|class| class.elastic_secant(time)).collect(),
             exchange: self.exchange.clone(),
         }
     }

@@ -139,11 +139,10 @@ impl Body {
 }
 
 impl System {
-    /// Returns the elastic body at a time (s) after a step of the strain. Its viscoelastic parts are springs with the
-    /// modulus at that time.
-    pub(super) fn elastic_at(&self, time: f64) -> Self {
+    /// Returns an elastic body whose viscoelastic parts are springs with their secant moduli at a time, s.
+    pub(super) fn elastic_secant(&self, time: f64) -> Self {
         let elastic = self.relaxations.iter().fold(self.elastic.clone(), |sum, (distortion, chain)| {
-            add(sum, chain.at(time) - chain.equilibrium, distortion)
+            add(sum, chain.secant(time) - chain.equilibrium, distortion)
         });
         Self {
             elastic,

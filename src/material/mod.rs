@@ -44,10 +44,11 @@ impl Material {
         Self { instantaneous, shear: Some(shear).filter(|shear| !shear.terms.is_empty()), shift: None }
     }
 
-    /// Elastic constants at a time (s) after a step of the strain.
-    pub fn at(&self, time: f64) -> form::Material {
+    /// Elastic constants with the secant shear modulus at a time (s) ([`Maxwell::secant`]); those at t = 0 are the
+    /// instantaneous ones.
+    pub fn secant(&self, time: f64) -> form::Material {
         let density = self.instantaneous.density;
-        self.shear.as_ref().map_or(self.instantaneous, |shear| constants([self.bulk(), shear.at(time)], density))
+        self.shear.as_ref().map_or(self.instantaneous, |shear| constants([self.bulk(), shear.secant(time)], density))
     }
 
     /// Bulk modulus K, Pa.

@@ -1,5 +1,5 @@
-//! Chooses the cells of viscoelastic layers on a substitute elastic body, with the moduli at half the contact time on a
-//! half-space.
+//! Chooses the cells of viscoelastic layers on a substitute elastic body, with the secant moduli at half the contact
+//! time on a half-space.
 //!
 //! The discretisation error is in the waves and in the field under the impactor, which the elastic body has too. Its
 //! modes cost a small part of those of the viscoelastic body. The viscoelastic body is then made once, on cells that
@@ -23,9 +23,9 @@ use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors};
 use crate::scene::{Body, Layer, Model, Parts, Scene};
 
-/// The scene with elastic layers, which have the moduli at half the contact time.
+/// The scene with elastic layers, which have the secant moduli at half the contact time.
 pub(super) fn elastic(scene: &Scene) -> Scene {
-    let composition = scene.body.composition.elastic_at(scene.impactor.moduli_time());
+    let composition = scene.body.composition.elastic_secant(scene.impactor.moduli_time());
     Scene { body: Body { composition, ..scene.body.clone() }, ..scene.clone() }
 }
 
@@ -178,7 +178,7 @@ fn found(
         return Ok(None);
     }
     let stand_in = Operators {
-        body: Assembled::Local(Box::new(body.elastic_at(scene.impactor.moduli_time()))),
+        body: Assembled::Local(Box::new(body.elastic_secant(scene.impactor.moduli_time()))),
         discretisation: String::new(),
         cells: built.cells,
         cell_over_disc: built.cell_over_disc,

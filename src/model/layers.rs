@@ -6,7 +6,7 @@
 //! and the force changes by the first part. The second part, for edges and the local field under the impactor, is
 //! estimated as in Mindlin's theory of one layer, as a part of the effect of shear in the layers and of the local field
 //! ([`super::mindlin_error`]). Here that effect is the difference between the layerwise plate and one whose layers have
-//! neither. A viscoelastic body is compared with the moduli at half the contact time. It is an estimate, not a bound.
+//! neither. A viscoelastic body is compared with the secant moduli at half the contact time. It is an estimate, not a bound.
 //!
 //! A solid that is too large for splines would need a mesh. A mesh gives stresses on its outer faces only, while the
 //! largest tension of a laminate is often on a face between layers. The layerwise plate is then kept, with its

@@ -89,10 +89,10 @@ impl Composition {
         }
     }
 
-    /// The composition with the elastic constants of its materials at a time (s) after a step of the strain.
+    /// The composition with elastic materials, which have the secant moduli at a time (s).
     #[must_use]
-    pub fn elastic_at(&self, time: f64) -> Self {
-        let at = |material: &Material| Material::elastic(material.at(time));
+    pub fn elastic_secant(&self, time: f64) -> Self {
+        let at = |material: &Material| Material::elastic(material.secant(time));
         let parts = match &self.parts {
             Parts::Whole(material) => Parts::Whole(at(material)),
             Parts::Layers(layers) => {

@@ -76,7 +76,7 @@ pub(super) fn law(
     // Ordered from the layer that is hit.
     let moduli = |time: f64| -> Vec<Layer> {
         let of_layer = |layer: &Given| {
-            let material = layer.material.at(time);
+            let material = layer.material.secant(time);
             Layer { thickness: layer.thickness, young: material.young, poisson: material.poisson }
         };
         let mut layers: Vec<Layer> = given.iter().map(of_layer).collect();

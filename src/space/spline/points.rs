@@ -54,7 +54,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// Evaluator of a box. In the local field of the contact, viscoelastic layers have their modulus at `time`, s.
+    /// Evaluator of a box. In the local field of the contact, viscoelastic layers have their secant moduli at `time`, s.
     pub(super) fn new(
         tensor: Tensor<3>,
         lines: [Vec<f64>; 3],
@@ -99,7 +99,7 @@ impl Points {
 /// Layers of a box from the impacted face, with their moduli at a time (s) after a step of the strain.
 pub(super) fn stack(parts: &[BodyPart], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
     let layer = |(part, ends): (&BodyPart, &[f64])| {
-        let Material { young, poisson, .. } = part.material.at(time);
+        let Material { young, poisson, .. } = part.material.secant(time);
         Layer { thickness: ends[1] - ends[0], young, poisson }
     };
     let mut layers: Vec<Layer> = parts.iter().zip(geometry.interfaces.windows(2)).map(layer).collect();

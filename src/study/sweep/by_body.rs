@@ -69,7 +69,8 @@ impl BodyOf {
     pub fn new(scene: &Scene) -> Self {
         let time = scene.impactor.moduli_time();
         let materials = scene.body.composition.materials().into_iter().filter(|_| has_local_field(scene));
-        let moduli = materials.filter_map(|material| Some(rounded(material.shear.as_ref()?.at(time), scene.tolerance)));
+        let moduli =
+            materials.filter_map(|material| Some(rounded(material.shear.as_ref()?.secant(time), scene.tolerance)));
         Self { local: moduli.collect(), rates: rates_of(scene), ..Self::relaxing_anyhow(scene) }
     }
 
@@ -123,7 +124,7 @@ impl BodyOf {
     }
 }
 
-/// Whether a body depends on the moduli at the contact time. A solid of one material resolves the field under the
+/// Whether a body depends on the secant moduli of the contact. A solid of one material resolves the field under the
 /// impactor itself, so it needs them for stresses only.
 pub(super) fn has_local_field(scene: &Scene) -> bool {
     let is_layered = scene.body.composition.uniform().is_none();

@@ -36,7 +36,7 @@ pub struct Laminate {
     /// Variation of the displacements through the layers.
     pub(super) profile: Profile,
     parts: Vec<Part>,
-    /// Layerwise theory of the infinite stack. Viscoelastic layers have their shear modulus at the contact time.
+    /// Layerwise theory of the infinite stack. Viscoelastic layers have their secant shear modulus of the contact.
     pub(super) theory: Layerwise,
     /// Pressure on the disc.
     pub(super) spread: Spread,
@@ -99,7 +99,7 @@ impl Laminate {
         });
         let time = scene.impactor.moduli_time();
         let layer = |(part, thickness): (&Part, &f64)| {
-            let Material { young, poisson, .. } = part.material.at(time);
+            let Material { young, poisson, .. } = part.material.secant(time);
             stack::Layer { thickness: *thickness, young, poisson }
         };
         let layers: Vec<stack::Layer> = parts.iter().zip(&thicknesses).map(layer).collect();
@@ -169,7 +169,7 @@ impl Laminate {
 
     /// Transverse shear stress along an axis at a height, as derivatives of fields with their factors. As for all
     /// stresses, a viscoelastic layer has its instantaneous moduli. An elastic one bears the stress of its viscoelastic
-    /// neighbours at the contact time.
+    /// neighbours with their secant moduli of the contact.
     pub(super) fn shear_stress(&self, axis: usize, height: f64) -> Vec<(f64, Derivative<2>)> {
         let layer = self.profile.layer_at(height);
         let ends = &self.profile.heights[layer..layer + 2];
