@@ -13,7 +13,7 @@ use crate::model;
 use crate::model::watch::{self, Watch};
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
 use crate::scene::{Model, Scene, Source};
-use crate::study::sweep::{Bodies, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
+use crate::study::sweep::{Bodies, Disagreement, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
 
 use super::follow::Follower;
 use super::interrupt::Interrupt;
@@ -72,8 +72,13 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
             }
             let theory = found?;
             if comm.is_root() {
-                let asked_by = theory.asked_by.map(|index| format!(", since {} needs it", grid.name(index)));
-                note(format_args!("{} for all members{}", model::name(theory.theory), asked_by.unwrap_or_default()));
+                let reason = theory.disagreement.as_ref().map(|Disagreement { needs, other, lowest }| {
+                    let (needs, other, lowest) = (grid.name(*needs), grid.name(*other), model::name(*lowest));
+                    format!(
+                        ", since {needs} needs it; {lowest} suffices for {other}, and with body.model = \"{lowest}\" a sweep takes less time"
+                    )
+                });
+                note(format_args!("{} for all members{}", model::name(theory.theory), reason.unwrap_or_default()));
             }
             Some(theory)
         }

@@ -138,7 +138,7 @@ pub(super) fn fit(
         }
     }
     let relaxing = fitted(comm, scene, built, (found.size, Some(served)), watch)?;
-    let error = with_local_fields(scene, relaxing.evaluator.as_ref(), found.error);
+    let error = with_local_fields(scene, theory, relaxing.evaluator.as_ref(), found.error);
     Ok(Fitted { error: Some(error), ..relaxing })
 }
 
@@ -157,7 +157,7 @@ pub(super) fn cell_size(
     let found = found(comm, scene, theory, built, None, watch)?;
     Ok(found.map(|found| {
         let vectors = Some(found.first_vectors(built, scene));
-        let error = with_local_fields(scene, built.evaluator.as_ref(), found.error);
+        let error = with_local_fields(scene, theory, built.evaluator.as_ref(), found.error);
         CellSize { size: found.size, error, vectors }
     }))
 }

@@ -14,7 +14,7 @@
 
 use petsc_wrap::Comm;
 
-use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR};
+use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR, delay_error};
 use super::elastic_cells::{self, Coarser};
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::BASIS_SHARE;
@@ -90,7 +90,11 @@ pub(super) fn layered(
     let of_boundaries = mindlin_error_over_difference(&elastic) * difference;
     tracing::debug!(waves = of_waves.first_contact, boundaries = of_boundaries.first_contact, "error of the theory");
     let of_theory = of_waves + of_boundaries;
-    let (differ, error) = (difference.of(scene.measure), of_theory.of(scene.measure));
+    // The error of the tension next to slow interlayers is part of the local field's, and is only compared here.
+    let crossings = plate::Crossings::of(scene);
+    let [of_layerwise, of_solid] = [Theory::Layerwise, Theory::Solid].map(|theory| delay_error(&crossings, theory));
+    let of_delay = Errors { stress: of_layerwise - of_solid, ..Errors::default() };
+    let (differ, error) = (difference.of(scene.measure), of_theory.joined(of_delay).of(scene.measure));
     let (of_what, part) = (scene.of_measure(), scene.in_measured_part());
     let tolerance = scene.tolerance;
     let judged = format!(

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use crate::contact::zener;
-use crate::form::Lame;
 use crate::form::plate::Section;
+use crate::form::{self, Lame};
 use crate::material::Material;
 use crate::scene::{Geometry, Impactor, Scene};
 
@@ -116,7 +116,30 @@ pub(in crate::space) fn wavelength(section: &Section, period: f64) -> f64 {
 /// Ratio of the time in which a shear wave crosses the thickness of a box to the duration of a contact with a
 /// half-space. The wave crosses all layers, with their moduli at t → 0. Infinite for a mesh file.
 pub fn crossing(scene: &Scene) -> f64 {
-    times_over_contact(scene, |layers, layer| layers[layer].crossing())
+    let instantaneous = |material: &Material| material.instantaneous;
+    times_over_contact(scene, instantaneous, |layers, layer| layers[layer].crossing())
+}
+
+/// Times in which shear waves cross the layers of a box, over the duration of a contact with a half-space.
+pub struct Crossings {
+    /// Sum over the layers that are not [interlayers].
+    pub plies: f64,
+    /// Sum over the interlayers.
+    pub interlayers: f64,
+}
+
+impl Crossings {
+    /// Crossing times of the layers with their secant moduli of the contact. Infinite for a mesh file.
+    pub fn of(scene: &Scene) -> Self {
+        let secant = |material: &Material| material.secant(scene.impactor.moduli_time());
+        let sum = |of_interlayers: bool| {
+            times_over_contact(scene, secant, |layers, layer| {
+                let is_counted = are_interlayers(layers)[layer] == of_interlayers;
+                if is_counted { layers[layer].crossing() } else { 0.0 }
+            })
+        };
+        Self { plies: sum(false), interlayers: sum(true) }
+    }
 }
 
 /// Same as [`crossing`], where an [interlayer](interlayers) counts with the longer one of two periods: that of the
@@ -124,10 +147,10 @@ pub fn crossing(scene: &Scene) -> f64 {
 /// to a part of the contact only, since softer interlayers transmit less shear.
 pub fn local_vibrations(scene: &Scene) -> f64 {
     let contact = scene.impactor.contact_time();
-    times_over_contact(scene, |layers, layer| {
-        let moduli: Vec<f64> = layers.iter().map(|layer| layer.constants.mu).collect();
+    let instantaneous = |material: &Material| material.instantaneous;
+    times_over_contact(scene, instantaneous, |layers, layer| {
         let Crossed { thickness, density, constants: Lame { lambda, mu } } = layers[layer];
-        if !interlayers(&moduli)[layer] {
+        if !are_interlayers(layers)[layer] {
             return layers[layer].crossing();
         }
         let [above, below] = [layer - 1, layer + 1].map(|ply| layers[ply].thickness * layers[ply].density);
@@ -152,12 +175,23 @@ impl Crossed {
     }
 }
 
-/// Sum of a time (s) of each layer over the duration of a contact with a half-space. Infinite for a mesh file.
-fn times_over_contact(scene: &Scene, time: impl Fn(&[Crossed], usize) -> f64) -> f64 {
+/// Whether each layer is one of the [interlayers].
+fn are_interlayers(layers: &[Crossed]) -> Vec<bool> {
+    let moduli: Vec<f64> = layers.iter().map(|layer| layer.constants.mu).collect();
+    interlayers(&moduli)
+}
+
+/// Sum of a time (s) of each layer over the duration of a contact with a half-space. The layers have some elastic
+/// constants of their materials. Infinite for a mesh file.
+fn times_over_contact(
+    scene: &Scene,
+    constants: impl Fn(&Material) -> form::Material,
+    time: impl Fn(&[Crossed], usize) -> f64,
+) -> f64 {
     let (body, impactor) = (&scene.body, &scene.impactor);
     let (Geometry::Box { size, .. }, Some(axis)) = (&body.geometry, scene.struck_axis()) else { return f64::INFINITY };
     let crossed = |(thickness, material): (f64, Material)| {
-        let constants = material.instantaneous;
+        let constants = constants(&material);
         Crossed { thickness, density: constants.density, constants: constants.lame() }
     };
     let layers: Vec<Crossed> = body.composition.across(axis, size[axis]).into_iter().map(crossed).collect();

@@ -15,8 +15,8 @@ mod square;
 mod theory;
 mod waves;
 
+pub use cells::{Crossings, crossing, local_vibrations};
 pub(super) use cells::{contact_time, wavelength};
-pub use cells::{crossing, local_vibrations};
 pub use laminate::{FrequencyRatios, Laminate, contact_wavelength, frequency_ratios};
 pub use points::Points;
 pub use theory::PlateTheory;

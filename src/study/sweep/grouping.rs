@@ -31,12 +31,22 @@ pub struct Grouping {
 pub struct Found {
     /// The selected theory.
     pub theory: scene::Model,
-    /// First member that needs this theory, if other tested members need a lower one.
-    pub asked_by: Option<usize>,
+    /// Tested members that differ in the theory they need, if there are any.
+    pub disagreement: Option<Disagreement>,
     /// Largest errors of this theory that `auto` estimated.
     pub errors: Errors,
     /// Models of this theory that were made to select it, with their scenes; each has the basis of its own body.
     pub(super) made: Vec<(Scene, Model)>,
+}
+
+/// Members for which `auto` selects different theories.
+pub struct Disagreement {
+    /// First member that needs the theory of all.
+    pub needs: usize,
+    /// First member for which the lowest theory suffices.
+    pub other: usize,
+    /// The lowest theory.
+    pub lowest: scene::Model,
 }
 
 /// A line of members that differ only in one support's stiffness or damping, or in the relaxation of an interlayer's
@@ -142,7 +152,7 @@ impl Grouping {
         asked.extend(hardest.map(|member| member.index));
         asked.sort_unstable();
         asked.dedup();
-        let none = |theory| Found { theory, asked_by: None, errors: Errors::default(), made: Vec::new() };
+        let none = |theory| Found { theory, disagreement: None, errors: Errors::default(), made: Vec::new() };
         let mut found = none(scene::Model::HalfSpace);
         let (mut theories, mut failed) = (Vec::new(), None);
         for index in asked {
@@ -173,9 +183,13 @@ impl Grouping {
         if let Some(error) = failed.filter(|_| theories.is_empty()) {
             return Err(error);
         }
-        let do_not_agree = theories.iter().any(|(_, theory)| *theory != found.theory);
-        let first = theories.iter().find(|(_, theory)| *theory == found.theory).filter(|_| do_not_agree);
-        found.asked_by = first.map(|(index, _)| *index);
+        let needs = theories.iter().find(|(_, theory)| *theory == found.theory);
+        let lowest = theories.iter().min_by_key(|(_, theory)| *theory).filter(|(_, theory)| *theory < found.theory);
+        found.disagreement = needs.zip(lowest).map(|((needs, _), (other, lowest))| Disagreement {
+            needs: *needs,
+            other: *other,
+            lowest: *lowest,
+        });
         Ok(found)
     }
 }
