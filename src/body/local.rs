@@ -41,12 +41,12 @@ impl LocalBody {
         Self { system, products: RefCell::default(), classes, exchange: None }
     }
 
-    /// Returns an elastic body whose viscoelastic parts are springs with their secant moduli at a time, s.
-    pub fn elastic_secant(&self, time: f64) -> Self {
+    /// Returns the body with elastic parts in place of the viscoelastic ones, with their secant moduli at a time, s.
+    pub fn with_secant_moduli(&self, time: f64) -> Self {
         Self {
-            system: self.system.elastic_secant(time),
+            system: self.system.with_secant_moduli(time),
             products: RefCell::default(),
-            classes: self.classes.iter().map(|class| class.elastic_secant(time)).collect(),
+            classes: self.classes.iter().map(|class| class.with_secant_moduli(time)).collect(),
             exchange: self.exchange.clone(),
         }
     }

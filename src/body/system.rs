@@ -139,8 +139,8 @@ impl Body {
 }
 
 impl System {
-    /// Returns an elastic body whose viscoelastic parts are springs with their secant moduli at a time, s.
-    pub(super) fn elastic_secant(&self, time: f64) -> Self {
+    /// Returns the body with elastic parts in place of the viscoelastic ones, with their secant moduli at a time, s.
+    pub(super) fn with_secant_moduli(&self, time: f64) -> Self {
         let elastic = self.relaxations.iter().fold(self.elastic.clone(), |sum, (distortion, chain)| {
             add(sum, chain.secant(time) - chain.equilibrium, distortion)
         });

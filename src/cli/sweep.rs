@@ -13,7 +13,7 @@ use crate::model;
 use crate::model::watch::{self, Watch};
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
 use crate::scene::{Model, Scene, Source};
-use crate::study::sweep::{Bodies, Disagreement, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
+use crate::study::sweep::{Bodies, Found, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
 
 use super::follow::Follower;
 use super::interrupt::Interrupt;
@@ -72,13 +72,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
             }
             let theory = found?;
             if comm.is_root() {
-                let reason = theory.disagreement.as_ref().map(|Disagreement { needs, other, lowest }| {
-                    let (needs, other, lowest) = (grid.name(*needs), grid.name(*other), model::name(*lowest));
-                    format!(
-                        ", since {needs} needs it; {lowest} suffices for {other}, and with body.model = \"{lowest}\" a sweep takes less time"
-                    )
-                });
-                note(format_args!("{} for all members{}", model::name(theory.theory), reason.unwrap_or_default()));
+                note(format_args!("{}", of_all_members(&theory, &grid)));
             }
             Some(theory)
         }
@@ -126,6 +120,23 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         warn_of_unused_options(comm)?;
     }
     Ok(of_root(comm, Some(status)))
+}
+
+/// Says which theory was selected for all members, and which of them need it.
+fn of_all_members(found: &Found, grid: &Grid) -> String {
+    let asked_by = found.asked_by.map(|index| format!(", because {} needs it", grid.name(index)));
+    let remedy = found.layerwise_suffices.map(|index| {
+        format!(
+            "; layerwise suffices for {} (for all members, quicker, error of the theory not estimated: --set body.model=layerwise)",
+            grid.name(index)
+        )
+    });
+    format!(
+        "{} for all members{}{}",
+        model::name(found.theory),
+        asked_by.unwrap_or_default(),
+        remedy.unwrap_or_default()
+    )
 }
 
 /// Reports an interruption before the first member.

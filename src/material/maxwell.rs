@@ -31,7 +31,8 @@ impl Maxwell {
         self.equilibrium + self.terms.iter().map(|term| term.modulus * (-time / term.time).exp()).sum::<f64>()
     }
 
-    /// Secant modulus (1/t) ∫₀ᵗ G dt at a time (s), Pa: stress over strain if the strain has grown linearly since t = 0.
+    /// Secant modulus (1/t) ∫₀ᵗ G dt at a time (s), Pa: the ratio of stress to strain for a constant strain rate since
+    /// t = 0.
     pub fn secant(&self, time: f64) -> f64 {
         let part = |term: &Term| match time / term.time {
             0.0 => term.modulus,

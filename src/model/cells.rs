@@ -17,24 +17,27 @@ use crate::body::{DirectSum, InfinitePlate, ModalBody};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
-use crate::scene::{Measure, Model, Scene};
+use crate::scene::{Contact, Geometry, Measure, Model, Scene};
 use crate::space::evaluate::{Evaluator, TensionErrors};
-use crate::space::plate::Crossings;
+use crate::space::plate::ShearTravelTimes;
 
 /// Size of the coarser cells relative to the others; and least and largest size of finer cells relative to the present
 /// ones.
 pub(super) const COARSER_CELL_FACTOR: f64 = 1.5;
 pub(super) const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, 0.85];
 
-/// Error of the tension by the static local field under the impactor, over the square of the time in which shear waves
-/// cross the thickness, over the contact time on a half-space. With the pressure on a disc half as wide the tension near
-/// its peak changed by 1.3 to 2 times that square.
+/// Relative error of the tension due to the static local field, divided by the square of the travel time of a shear
+/// wave through the thickness, which is relative to the contact time on a half-space. With the pressure on a disc half as
+/// wide, which leaves more of the field to the body, the tension near its peak changed by 1.3 to 2 times that square.
 const LOCAL_FIELD_FACTOR: f64 = 2.5;
 
-/// Crossing time of the interlayers, over the contact time, above which this error of a layerwise plate grows linearly instead
-/// of with the square: softer interlayers transmit less shear. An estimate. On 28 laminates with elastic interlayers of 0.1 to 20 MPa and
-/// crossing times of 0.05 to 2.1, the tension differed from a solid's by up to 1.2% at times below 0.35, by 1.9% to 5.2% at 0.47 to 1, and by 11% at 2.1.
-const SLOW_INTERLAYERS: f64 = 0.04;
+/// Travel time through the interlayers above which this error of a layerwise plate grows linearly, not quadratically:
+/// softer interlayers transmit less shear. It was fitted (docs/numerics.md, section on cells).
+const LINEAR_DELAY_ABOVE: f64 = 0.04;
+
+/// Radius of a solid's disc, over the thickness of the stack, up to which it computes the waves in its interlayers. With
+/// a radius of 1 and 2, tensions next to interlayers differed by at most 0.3%.
+const WIDEST_DISC: f64 = 2.0;
 
 /// Share of the tolerance for the estimated discretisation error. It may be more if steps, basis and theory need less.
 pub(super) const CELL_SHARE: f64 = 0.6;
@@ -136,8 +139,9 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
     {
         return Ok(found);
     }
-    let Fitted { size, error, .. } =
+    let Fitted { size, error, evaluator, .. } =
         refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, of_other_bases(scene), watch)?;
+    let error = error.map(|error| with_local_fields(scene, theory, evaluator.as_ref(), error));
     Ok(CellSize { size, error: error.unwrap_or_default(), vectors: None })
 }
 
@@ -177,8 +181,7 @@ pub fn refine(
             let error = judge.errors(cells, scene, theory, difference);
             let Errors { first_contact, history, stress, .. } = error;
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
-            // Errors that do not depend on the cell size are part of the estimate, but not of the choice of cells.
-            fine.error = Some(with_local_fields(scene, theory, fine.evaluator.as_ref(), error));
+            fine.error = Some(error);
             let wanted = allowed(scene, fine.reduced.error.joined(of_theory));
             let over = watch.agreed(error.of(scene.measure) / wanted);
             finer = over.recip().powf(1.0 / ORDER).clamp(FINER_CELL_FACTORS[0], FINER_CELL_FACTORS[1]);
@@ -239,20 +242,31 @@ fn allowed(scene: &Scene, others: Errors) -> f64 {
     }
 }
 
-/// Adds to the discretisation error the errors of the local fields, which do not depend on the cell size.
+/// Adds to the discretisation error the errors of the local fields. They do not depend on the cell size, so that they are
+/// part of the estimate, but not of the choice of cells.
 pub(super) fn with_local_fields(scene: &Scene, theory: Model, evaluator: Option<&Evaluator>, error: Errors) -> Errors {
     let TensionErrors { of_cells, of_width, of_edges } = evaluator.map(Evaluator::tension_errors).unwrap_or_default();
-    let of_delay = delay_error(&Crossings::of(scene), theory);
+    let of_delay = delay_error(scene, theory);
     let of_local_field = [of_width, of_delay, of_edges].into_iter().fold(of_cells, joined);
     error.joined(Errors { stress: of_local_field, ..Errors::default() })
 }
 
-/// Error of the tension by a local field that follows the force without delay, for the crossing times of shear waves. A
-/// solid's interlayers delay its stresses themselves: with the force on a disc half as wide the tension changed by at most 0.3% at crossing
-/// times up to 2.1.
-pub(super) fn delay_error(Crossings { plies, interlayers }: &Crossings, theory: Model) -> f64 {
-    let interlayers = if theory == Model::Layerwise { *interlayers } else { 0.0 };
-    LOCAL_FIELD_FACTOR * (plies + interlayers) * (plies + interlayers.min(SLOW_INTERLAYERS))
+/// Relative error of the tension because the local field is static: it follows the force without the travel time of
+/// waves. A solid computes the waves in the interlayers, unless its force is spread over a wider disc.
+pub(super) fn delay_error(scene: &Scene, theory: Model) -> f64 {
+    let ShearTravelTimes { plies, interlayers } = ShearTravelTimes::of(scene);
+    let is_computed = theory == Model::Solid && !has_wide_disc(scene);
+    let interlayers = if is_computed { 0.0 } else { interlayers };
+    LOCAL_FIELD_FACTOR * (plies + interlayers) * (plies + interlayers.min(LINEAR_DELAY_ABOVE))
+}
+
+/// Whether a solid's disc is wider than the widest one with which the waves in interlayers were compared. It is under soft
+/// outer layers, or if the scene gives a radius.
+fn has_wide_disc(scene: &Scene) -> bool {
+    let given = if let Contact::Patch { disc, .. } = scene.contact { disc } else { None };
+    let disc = scene.impactor.layered_contact().map(|layered| layered.disc).or(given);
+    let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return false };
+    disc.is_some_and(|disc| disc > WIDEST_DISC * size[axis])
 }
 
 /// Reduces a body to a basis. `size` is the size of its cells; `vectors` are numbers of vectors that were enough on

@@ -23,15 +23,20 @@ use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors};
 use crate::scene::{Body, Layer, Model, Parts, Scene};
 
-/// The scene with elastic layers, which have the secant moduli at half the contact time.
+/// The scene with elastic layers in place of the viscoelastic ones, with their secant moduli at half the contact time.
 pub(super) fn elastic(scene: &Scene) -> Scene {
-    let composition = scene.body.composition.elastic_secant(scene.impactor.moduli_time());
+    let composition = scene.body.composition.with_secant_moduli(scene.impactor.moduli_time());
     Scene { body: Body { composition, ..scene.body.clone() }, ..scene.clone() }
 }
 
-/// Least modulus at the end over the modulus at half the contact time for which one modulus is used to choose the
-/// cells. A chain such as PVB's keeps 0.65 to 1. Plies that are no longer coupled by the interlayer have shorter waves.
+/// Least relaxation modulus G(t) at the end, over the secant modulus at half the contact time, for which that one
+/// modulus is used to choose the cells. A chain such as PVB's has 0.6 to 1. Plies that are no longer coupled by the
+/// interlayer have shorter waves.
 const LEFT_AT_END: f64 = 0.5;
+
+/// The cells that bodies of a sweep share are chosen for this part of a run's discretisation error. The rest is for the
+/// errors of the common basis and of the interpolation, which a run does not have.
+const PART_FOR_SHARED_CELLS: f64 = 0.9;
 
 /// Whether a scene has viscoelastic layers and its cells are chosen in this way.
 pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
@@ -48,13 +53,12 @@ pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
         && !Description::new(scene).relaxations().is_empty()
 }
 
-/// Whether each layer keeps at least half ([`LEFT_AT_END`]) of its modulus from half the contact time to the end of the
-/// run.
+/// Whether each layer keeps at least half ([`LEFT_AT_END`]) of its secant modulus until the end of the run.
 pub(super) fn keeps_much(scene: &Scene) -> bool {
     let Parts::Layers(layers) = &scene.body.composition.parts else { return true };
-    let [at_first, at_last] = [scene.impactor.moduli_time(), scene.time.end];
+    let [contact, end] = [scene.impactor.moduli_time(), scene.time.end];
     let keeps_much = |layer: &Layer| {
-        layer.material.shear.as_ref().is_none_or(|chain| chain.at(at_last) >= LEFT_AT_END * chain.at(at_first))
+        layer.material.shear.as_ref().is_none_or(|chain| chain.at(end) >= LEFT_AT_END * chain.secant(contact))
     };
     layers.iter().all(keeps_much)
 }
@@ -127,7 +131,8 @@ pub(super) fn fit(
     coarser: Option<Coarser>,
     watch: &dyn Watch,
 ) -> Result<Fitted> {
-    let Some(found) = found(comm, scene, theory, &built, coarser, watch)? else {
+    let allowed = CELL_SHARE * scene.tolerance;
+    let Some(found) = found(comm, scene, theory, &built, (coarser, allowed), watch)? else {
         return refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch);
     };
     let served = found.first_vectors(&built, scene);
@@ -138,11 +143,10 @@ pub(super) fn fit(
         }
     }
     let relaxing = fitted(comm, scene, built, (found.size, Some(served)), watch)?;
-    let error = with_local_fields(scene, theory, relaxing.evaluator.as_ref(), found.error);
-    Ok(Fitted { error: Some(error), ..relaxing })
+    Ok(Fitted { error: Some(found.error), ..relaxing })
 }
 
-/// The cells that [`fit`] chooses; `None` if the cells are few, or if there are no coarser cells to compare with.
+/// The cells for bodies of a sweep, chosen as [`fit`] does; `None` if the cells are few, or if there are no coarser cells to compare with.
 /// Collective.
 ///
 /// # Errors
@@ -154,7 +158,8 @@ pub(super) fn cell_size(
     built: &Operators,
     watch: &dyn Watch,
 ) -> Result<Option<CellSize>> {
-    let found = found(comm, scene, theory, built, None, watch)?;
+    let allowed = PART_FOR_SHARED_CELLS * CELL_SHARE * scene.tolerance;
+    let found = found(comm, scene, theory, built, (None, allowed), watch)?;
     Ok(found.map(|found| {
         let vectors = Some(found.first_vectors(built, scene));
         let error = with_local_fields(scene, theory, built.evaluator.as_ref(), found.error);
@@ -162,14 +167,14 @@ pub(super) fn cell_size(
     }))
 }
 
-/// Chooses the cells; `None` if the cells are few, or if there are no coarser cells on which the elastic body can be
+/// Chooses the cells for an allowed discretisation error; `None` if the cells are few, or if there are no coarser cells on which the elastic body can be
 /// computed.
 fn found(
     comm: &Comm,
     scene: &Scene,
     theory: Model,
     built: &Operators,
-    coarser: Option<Coarser>,
+    (coarser, allowed): (Option<Coarser>, f64),
     watch: &dyn Watch,
 ) -> Result<Option<Found>> {
     let (Assembled::Local(body), Some(cells)) = (&built.body, built.cells) else { return Ok(None) };
@@ -178,7 +183,7 @@ fn found(
         return Ok(None);
     }
     let stand_in = Operators {
-        body: Assembled::Local(Box::new(body.elastic_secant(scene.impactor.moduli_time()))),
+        body: Assembled::Local(Box::new(body.with_secant_moduli(scene.impactor.moduli_time()))),
         discretisation: String::new(),
         cells: built.cells,
         cell_over_disc: built.cell_over_disc,
@@ -209,7 +214,7 @@ fn found(
     let error = coarse.errors(cells, &elastic, theory, difference);
     let vectors = agreed(self::vectors(&fine.reduced, scene), watch);
     tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact = error.first_contact, "elastic cells");
-    let over = watch.agreed(error.of(scene.measure) / (CELL_SHARE * scene.tolerance));
+    let over = watch.agreed(error.of(scene.measure) / allowed);
     if over <= 1.0 {
         return Ok(Some(Found { size: 1.0, error, vectors }));
     }
@@ -223,7 +228,7 @@ fn found(
             let of_histories = if error.history <= scene.tolerance { of_finer } else { error };
             let Errors { history, deflection, .. } = of_histories;
             let of_finer = Errors { history, deflection, ..of_finer };
-            if watch.decided(of_finer.of(scene.measure) <= CELL_SHARE * scene.tolerance) {
+            if watch.decided(of_finer.of(scene.measure) <= allowed) {
                 return Ok(Some(Found { size, error: of_finer, vectors }));
             }
         }

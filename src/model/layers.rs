@@ -6,7 +6,9 @@
 //! and the force changes by the first part. The second part, for edges and the local field under the impactor, is
 //! estimated as in Mindlin's theory of one layer, as a part of the effect of shear in the layers and of the local field
 //! ([`super::mindlin_error`]). Here that effect is the difference between the layerwise plate and one whose layers have
-//! neither. A viscoelastic body is compared with the secant moduli at half the contact time. It is an estimate, not a bound.
+//! neither. If the tolerance is for the stress, the error of the static local field next to slow interlayers counts, too
+//! ([`delay_error`]). A viscoelastic body is compared with the secant moduli at half the contact time. It is
+//! an estimate, not a bound.
 //!
 //! A solid that is too large for splines would need a mesh. A mesh gives stresses on its outer faces only, while the
 //! largest tension of a laminate is often on a face between layers. The layerwise plate is then kept, with its
@@ -27,7 +29,7 @@ use crate::body::ModalBody;
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors, TIME_STEP_SHARE, beside, joined, rest};
-use crate::scene::{Model as Theory, Scene, Time};
+use crate::scene::{Measure, Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
 
@@ -90,18 +92,21 @@ pub(super) fn layered(
     let of_boundaries = mindlin_error_over_difference(&elastic) * difference;
     tracing::debug!(waves = of_waves.first_contact, boundaries = of_boundaries.first_contact, "error of the theory");
     let of_theory = of_waves + of_boundaries;
-    // The error of the tension next to slow interlayers is part of the local field's, and is only compared here.
-    let crossings = plate::Crossings::of(scene);
-    let [of_layerwise, of_solid] = [Theory::Layerwise, Theory::Solid].map(|theory| delay_error(&crossings, theory));
-    let of_delay = Errors { stress: of_layerwise - of_solid, ..Errors::default() };
-    let (differ, error) = (difference.of(scene.measure), of_theory.joined(of_delay).of(scene.measure));
+    // This error of the tension counts in the choice of the theory only: the error of the cells has it already.
+    let of_delay = match scene.measure {
+        Measure::Stress => delay_error(scene, Theory::Layerwise) - delay_error(scene, Theory::Solid),
+        Measure::Acceleration | Measure::Deflection => 0.0,
+    };
+    let (differ, alone) = (difference.of(scene.measure), of_theory.of(scene.measure));
+    let error = joined(alone, of_delay);
     let (of_what, part) = (scene.of_measure(), scene.in_measured_part());
     let tolerance = scene.tolerance;
     let judged = format!(
         "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what}{part}; estimated error of layerwise relative to solid: {}",
         beside(error, THEORY_SHARE * tolerance)
     );
-    let (over, share) = (watch.agreed(error / tolerance), THEORY_SHARE * tolerance);
+    let [over, alone] = [error, alone].map(|error| watch.agreed(error / tolerance));
+    let share = THEORY_SHARE * tolerance;
     // Cells and basis get what the theory and the time steps leave of the tolerance.
     let rest = rest(rest(1.0, TIME_STEP_SHARE), over);
     let mut accepted = tolerance;
@@ -109,8 +114,8 @@ pub(super) fn layered(
     if over > THEORY_SHARE {
         let splines = if scene.is_reduced() { spline::admits(scene) } else { Err("it is not reduced".to_owned()) };
         match splines {
-            Err(reason) if over * tolerance <= LARGEST_ERROR_INSTEAD_OF_MESH => {
-                accepted = tolerance.max(TOLERANCE_OVER_THEORY_ERROR * over * tolerance);
+            Err(reason) if alone * tolerance <= LARGEST_ERROR_INSTEAD_OF_MESH => {
+                accepted = tolerance.max(TOLERANCE_OVER_THEORY_ERROR * alone * tolerance);
                 left.tolerance = accepted;
                 passed.push(format!(
                     "{judged}, above {share:.1e}, the theory's share of the tolerance, but used: splines cannot model its solid ({reason}), and a mesh has no stresses on faces between layers"

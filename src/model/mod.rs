@@ -30,7 +30,7 @@ pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, layerwise_evaluator, layerwise_for_products, name};
 
 pub use cells::{CellSize, Fitted, cell_size};
-use cells::{fit, refine, unrefined};
+use cells::{fit, refine, unrefined, with_local_fields};
 
 use petsc_wrap::Comm;
 
@@ -195,6 +195,7 @@ impl Model {
             Some(_) => ShortWaves::WithEchoes,
             None => ShortWaves::WithoutEchoes,
         });
+        let cells = cells.map(|error| with_local_fields(scene, theory, evaluator.as_ref(), error));
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
             _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.whole(vectors)))?),

@@ -159,7 +159,9 @@ pub(super) fn column(file: &hdf5::File, path: &Path, name: &str) -> Result<Vec<f
 pub(super) fn check_run(file: &hdf5::File, path: &Path) -> Result<()> {
     let is_checkpoint = file.dataset("names").is_ok() && file.attr("run_id").is_ok();
     let what = match file.group("series") {
-        _ if is_sweep(file) => "is a sweep, and the result of a run is wanted",
+        _ if is_sweep(file) => {
+            "is a sweep, and the result of a run is needed (`ricochet info` and `ricochet plot` read sweeps)"
+        }
         Ok(_) => return Ok(()),
         Err(_) if is_checkpoint => "is a checkpoint: give the result that it lies beside",
         Err(_) if file.group("VTKHDF").is_ok() => "holds the fields of a run: give the result that it lies beside",

@@ -89,9 +89,9 @@ impl Composition {
         }
     }
 
-    /// The composition with elastic materials, which have the secant moduli at a time (s).
+    /// The composition with elastic materials in place of the viscoelastic ones, with their secant moduli at a time, s.
     #[must_use]
-    pub fn elastic_secant(&self, time: f64) -> Self {
+    pub fn with_secant_moduli(&self, time: f64) -> Self {
         let at = |material: &Material| Material::elastic(material.secant(time));
         let parts = match &self.parts {
             Parts::Whole(material) => Parts::Whole(at(material)),

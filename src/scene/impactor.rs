@@ -96,8 +96,8 @@ impl Impactor {
         time * (of_layers / time).log2().floor().clamp(-10.0, 0.0).exp2()
     }
 
-    /// Time (s) at which viscoelastic layers are given their secant moduli as elastic layers in local fields, which are static: half
-    /// the contact time.
+    /// Half the contact time on a half-space, s. Static local fields replace viscoelastic layers by elastic ones, with
+    /// their secant moduli at this time.
     pub fn moduli_time(&self) -> f64 {
         0.5 * self.contact_time()
     }

@@ -248,7 +248,7 @@ fn what_is_no_result_of_a_run_is_refused() {
     let there = || fs::read_dir(&folder).unwrap().count();
     let before = there();
     for (line, status, why) in [
-        ("report sweep.h5 -o r.html", 4, "sweep.h5: is a sweep, and the result of a run is wanted"),
+        ("report sweep.h5 -o r.html", 4, "sweep.h5: is a sweep, and the result of a run is needed"),
         ("report scene.toml -o r.html", 4, "scene.toml: is not an HDF5 file"),
         ("report missing.h5 -o r.html", 4, "missing.h5: No such file"),
         ("report out.h5 -o r.pdf", 2, "r.pdf: a report is an .html file"),

@@ -13,6 +13,7 @@ pub const TESTS: &[PlainTest] = tests![
     temperatures_between_bodies_are_within_their_estimates,
     tensions_between_bodies_are_within_their_estimates,
     stiff_terms_that_relax_at_once_hold_nothing,
+    sweeps_name_the_member_that_needs_the_solid,
     interpolated_panes_rotate,
     interpolated_panes_on_soft_springs_keep_their_force,
     interpolated_deflections_after_short_contacts_are_right,
@@ -92,6 +93,19 @@ fn stiff_terms_that_relax_at_once_hold_nothing() {
     let ((peak, estimate), (exact, _)) = (run("2e-2"), run("2e-3"));
     let error = (peak / exact - 1.0).abs();
     assert!(error <= estimate && estimate < 3e-2, "{error:e} {estimate:e}");
+}
+
+/// The plies of the first member slide on each other, and the layerwise plate is not accurate enough for it. All members are
+/// computed as solids.
+fn sweeps_name_the_member_that_needs_the_solid() {
+    let small = pane(&[1e3]).replace("[0.3, 0.3]", "[0.12, 0.12]").replace("mass = 2.0", "mass = 0.3");
+    let folder = folder(&small.replace("model = \"layerwise\"\n", "").replace("end = 6e-4", "end = 1e-4"));
+    let line = "sweep scene.toml --set accuracy.tolerance=2e-2 --vary material.interlayer.shear=1e5,1e9 -o s.h5";
+    let said = good(&folder, 0, line).stderr;
+    let [needs, suffices] = ["member 0: material.interlayer.shear=", "member 1: material.interlayer.shear="];
+    assert!(said.contains(&format!("solid for all members, because {needs}")), "{said}");
+    assert!(said.contains(&format!("layerwise suffices for {suffices}")), "{said}");
+    assert!(said.contains("--set body.model=layerwise"), "{said}");
 }
 
 /// A free pane that is hit off its centre rotates, also between the temperatures at which bodies are made. (On a basis for

@@ -32,7 +32,7 @@ fn layers_have_the_sums_of_their_parts() {
         let relaxing = plate(&scene(chain, layers));
         let [(distortion, chain)] = &relaxing.system.relaxations[..] else { panic!("one relaxation") };
         let laminate = relaxing.laminate.as_ref().expect("layers");
-        // The shear strains must be those for the secant modulus of the contact.
+        // The shear strains must be those for the secant modulus at half the contact time.
         let [stiff, soft] = [chain.instantaneous(), chain.equilibrium].map(|shear| {
             let elastic = plate(&scene(&format!("shear = {shear:e}"), layers)).laminate.expect("layers");
             relaxing.points.tensor.matrix(&elastic.with_theory_of(laminate).elastic())

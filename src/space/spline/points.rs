@@ -54,7 +54,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// Evaluator of a box. In the local field of the contact, viscoelastic layers have their secant moduli at `time`, s.
+    /// Evaluator of a box. In the local field, viscoelastic layers have their secant moduli at `time`, s.
     pub(super) fn new(
         tensor: Tensor<3>,
         lines: [Vec<f64>; 3],
@@ -96,7 +96,7 @@ impl Points {
     }
 }
 
-/// Layers of a box from the impacted face, with their moduli at a time (s) after a step of the strain.
+/// Layers of a box from the impacted face, with their secant moduli at a time, s.
 pub(super) fn stack(parts: &[BodyPart], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
     let layer = |(part, ends): (&BodyPart, &[f64])| {
         let Material { young, poisson, .. } = part.material.secant(time);

@@ -124,8 +124,8 @@ impl BodyOf {
     }
 }
 
-/// Whether a body depends on the secant moduli of the contact. A solid of one material resolves the field under the
-/// impactor itself, so it needs them for stresses only.
+/// Whether a body depends on the secant moduli at half the contact time. A solid of one material resolves the field
+/// under the impactor itself, so it needs them for stresses only.
 pub(super) fn has_local_field(scene: &Scene) -> bool {
     let is_layered = scene.body.composition.uniform().is_none();
     scene.body.model != scene::Model::Solid || is_layered || scene.output.stress
@@ -195,8 +195,7 @@ impl<T> ByBody<T> {
 mod tests {
     use super::*;
 
-    /// A laminated pane as a solid, with a Prony series of its interlayer. Its members share a basis for any moduli at
-    /// the contact time.
+    /// A laminated pane as a solid, with a Prony series of its interlayer. Its members share a basis for any moduli.
     fn pane(prony: &str) -> BodyOf {
         let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
         let text = format!(

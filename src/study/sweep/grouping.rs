@@ -7,8 +7,8 @@ use petsc_wrap::Comm;
 
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors};
-use crate::model::Model;
 use crate::model::watch::Watch;
+use crate::model::{Model, admits};
 use crate::scene::{self, Scene, Support, SupportKind};
 
 use super::by_body::{BodyOf, ByBody};
@@ -31,22 +31,14 @@ pub struct Grouping {
 pub struct Found {
     /// The selected theory.
     pub theory: scene::Model,
-    /// Tested members that differ in the theory they need, if there are any.
-    pub disagreement: Option<Disagreement>,
+    /// First member that needs this theory, if a simpler one suffices for other tested members.
+    pub asked_by: Option<usize>,
+    /// First tested member for which the layerwise theory suffices, if the others are solids but could be computed by it.
+    pub layerwise_suffices: Option<usize>,
     /// Largest errors of this theory that `auto` estimated.
     pub errors: Errors,
     /// Models of this theory that were made to select it, with their scenes; each has the basis of its own body.
     pub(super) made: Vec<(Scene, Model)>,
-}
-
-/// Members for which `auto` selects different theories.
-pub struct Disagreement {
-    /// First member that needs the theory of all.
-    pub needs: usize,
-    /// First member for which the lowest theory suffices.
-    pub other: usize,
-    /// The lowest theory.
-    pub lowest: scene::Model,
 }
 
 /// A line of members that differ only in one support's stiffness or damping, or in the relaxation of an interlayer's
@@ -152,7 +144,13 @@ impl Grouping {
         asked.extend(hardest.map(|member| member.index));
         asked.sort_unstable();
         asked.dedup();
-        let none = |theory| Found { theory, disagreement: None, errors: Errors::default(), made: Vec::new() };
+        let none = |theory| Found {
+            theory,
+            asked_by: None,
+            layerwise_suffices: None,
+            errors: Errors::default(),
+            made: Vec::new(),
+        };
         let mut found = none(scene::Model::HalfSpace);
         let (mut theories, mut failed) = (Vec::new(), None);
         for index in asked {
@@ -183,13 +181,16 @@ impl Grouping {
         if let Some(error) = failed.filter(|_| theories.is_empty()) {
             return Err(error);
         }
-        let needs = theories.iter().find(|(_, theory)| *theory == found.theory);
-        let lowest = theories.iter().min_by_key(|(_, theory)| *theory).filter(|(_, theory)| *theory < found.theory);
-        found.disagreement = needs.zip(lowest).map(|((needs, _), (other, lowest))| Disagreement {
-            needs: *needs,
-            other: *other,
-            lowest: *lowest,
-        });
+        let first_with = |wanted| theories.iter().find(|(_, theory)| *theory == wanted).map(|(index, _)| *index);
+        if theories.iter().any(|(_, theory)| *theory != found.theory) {
+            found.asked_by = first_with(found.theory);
+        }
+        let is_layerwise = |index| Ok::<_, Error>(admits(&scene_of(index)?, scene::Model::Layerwise).is_ok());
+        if let (scene::Model::Solid, Some(index)) = (found.theory, found.asked_by)
+            && is_layerwise(index)?
+        {
+            found.layerwise_suffices = first_with(scene::Model::Layerwise);
+        }
         Ok(found)
     }
 }

@@ -16,7 +16,7 @@ mod vary;
 pub use bodies::Bodies;
 pub use digest::{Task, digest};
 pub use grid::Grid;
-pub use grouping::{Disagreement, Found, Grouping, Property};
+pub use grouping::{Found, Grouping, Property};
 pub use interpolated::{Interpolated, Start};
 pub use member::{Computed, simulate};
 pub use scheduler::{Compute, Kept, schedule};

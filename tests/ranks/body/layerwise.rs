@@ -126,9 +126,9 @@ fn soft_faces_have_their_shear(session: &Session) {
     }
 }
 
-/// An interlayer that relaxes to a hundredth within the contact. The plate adds a static field of elastic layers to the
-/// stresses of the upper ply, the solid only to their part from wavelengths below a few thicknesses. (With the modulus
-/// after a step of the strain instead of the secant modulus, the plate's tension was 6% larger than the solid's.)
+/// The modulus of the interlayer falls to 1% within the contact. In the plate the whole local field of the upper ply is
+/// static, in the solid only the part with wavelengths below a few thicknesses. (With G(t) in place of the secant
+/// modulus the plate's tension was 6% larger than the solid's.)
 fn tensions_next_to_quickly_relaxing_interlayers(session: &Session) {
     let of = |model: &str| {
         let chain = format!("{}\nprony = [{{ modulus = 1e8, time = 1e-5 }}]", soft(1e6));
@@ -140,13 +140,13 @@ fn tensions_next_to_quickly_relaxing_interlayers(session: &Session) {
     };
     let [plate, solid] = ["layerwise", "solid"].map(of);
     println!("{plate} {solid}");
-    // Tolerances of 3e-2 for the force; the tensions of runs at 1e-2 and 3e-2 differ by 0.5%.
+    // The tolerance of both is 3e-2 of the force. Tensions at tolerances of 1e-2 and 3e-2 differ by 0.5%.
     assert!((plate / solid - 1.0).abs() < 0.02, "{plate} {solid}");
 }
 
-/// Shear waves cross the soft interlayer in two thirds of the contact, and the static field that is added to the plate's stresses
-/// has an error of 4%. The solid computes the delay itself, and is told so. (With an error that grew with the square of this time, both estimates were
-/// above 1.)
+/// A shear wave travels through the soft interlayer in two thirds of the contact time. The static field that is added
+/// to the plate's stresses then has an error of 4%. The solid computes this wave, and its estimate has no such part. (An
+/// estimate quadratic in this time exceeded 1 for both.)
 fn errors_of_tensions_next_to_slow_interlayers_are_estimated(session: &Session) {
     let of = |model: &str| {
         let rest = "[accuracy]\ntolerance = 2e-2\n[strength]\ntension = 1e9\n";

@@ -122,7 +122,7 @@ fn steps_tend_to_modal_coordinates(session: &Session) {
 fn order_is_that_of_elastic_bodies(session: &Session) {
     let relaxing = parse(&laminate(0.00152, 20.0, ""));
     let mut elastic = relaxing.clone();
-    elastic.body.composition = relaxing.body.composition.elastic_secant(1e-4);
+    elastic.body.composition = relaxing.body.composition.with_secant_moduli(1e-4);
     let [without, with] = [elastic, relaxing].map(|scene| {
         let projection = on_basis(session, &scene, 8);
         let reference = modal(&scene, &projection, 1.25e-7);

@@ -36,7 +36,8 @@ pub struct Laminate {
     /// Variation of the displacements through the layers.
     pub(super) profile: Profile,
     parts: Vec<Part>,
-    /// Layerwise theory of the infinite stack. Viscoelastic layers have their secant shear modulus of the contact.
+    /// Layerwise theory of the infinite stack. Viscoelastic layers have their secant moduli at
+    /// [`Impactor::moduli_time`](crate::scene::Impactor::moduli_time).
     pub(super) theory: Layerwise,
     /// Pressure on the disc.
     pub(super) spread: Spread,
@@ -168,8 +169,8 @@ impl Laminate {
     }
 
     /// Transverse shear stress along an axis at a height, as derivatives of fields with their factors. As for all
-    /// stresses, a viscoelastic layer has its instantaneous moduli. An elastic one bears the stress of its viscoelastic
-    /// neighbours with their secant moduli of the contact.
+    /// stresses, a viscoelastic layer has its instantaneous moduli. In an elastic layer, the stress is computed with
+    /// the secant moduli of its viscoelastic neighbours.
     pub(super) fn shear_stress(&self, axis: usize, height: f64) -> Vec<(f64, Derivative<2>)> {
         let layer = self.profile.layer_at(height);
         let ends = &self.profile.heights[layer..layer + 2];

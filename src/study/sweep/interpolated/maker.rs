@@ -22,10 +22,6 @@ use crate::scene::{Body, Scene};
 /// estimate.
 const LEFT_OUT_PER_TOLERANCE: f64 = 5e-3;
 
-/// Factor on the tolerance by which the cells are chosen. The rest is for errors that a run does not have: those of the common basis and
-/// of the interpolation.
-const CELL_TOLERANCE: f64 = 0.9;
-
 /// Settings for building bodies: all have the same cells, and each is built by one rank alone.
 #[derive(Clone)]
 pub struct Cells {
@@ -101,7 +97,6 @@ impl Cells {
 
     /// The cell size that a scene needs, with its discretisation error.
     pub fn asked_by(&self, scene: &Scene, watch: &dyn Watch) -> Result<CellSize> {
-        let scene = &Scene { tolerance: CELL_TOLERANCE * scene.tolerance, ..scene.clone() };
         cell_size(&self.comm, scene, scene.body.model, self.built(scene, watch)?, watch)
     }
 
