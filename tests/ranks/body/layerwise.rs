@@ -19,7 +19,8 @@ pub const ALONE: &[Test<Session>] = tests![
     errors_of_tensions_next_to_slow_interlayers_are_estimated,
     layers_that_differ_above_and_below,
     a_thin_coat_has_no_tension,
-    auto_climbs
+    auto_climbs,
+    auto_climbs_for_the_tension
 ];
 
 pub const LONG: &[Test<Session>] = tests![a_solid_has_the_reference_too];
@@ -239,5 +240,18 @@ fn auto_climbs(session: &Session) {
         let reason = model.reason.expect("a reason");
         assert_eq!(model.theory, Theory::Layerwise, "{reason}");
         assert!(reason.contains("estimated error of layerwise relative to solid"), "{reason}");
+    }
+}
+
+/// For an interlayer as soft as rubber the layerwise plate is accurate enough for the acceleration, but not for the
+/// tension next to the interlayer.
+fn auto_climbs_for_the_tension(session: &Session) {
+    for (quantity, theory) in [("acceleration", Theory::Layerwise), ("stress", Theory::Solid)] {
+        let rest = format!("[accuracy]\ntolerance = 5e-2\nquantity = \"{quantity}\"\n");
+        let text = pane(&[0.005, 0.00076, 0.005], &soft(1e5), "", "end = 1e-4", &rest)
+            .replace("[0.5, 0.5]", "[0.12, 0.12]")
+            .replace("mass = 52.0", "mass = 0.3");
+        let model = Model::new(&session.world(), &parse(&text)).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(model.theory, theory, "{quantity}: {:?}", model.reason);
     }
 }
