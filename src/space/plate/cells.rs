@@ -27,11 +27,6 @@ const CELL_OVER_DISC: f64 = 0.75;
 /// cells at the impact point of 0.4 to 0.75 of the disc.
 const CELL_OVER_WAVELENGTH: f64 = 0.14;
 
-/// Longest period of shear waves in an interlayer that counts, over the duration of the contact. Measured on 4.9 / 1.52 /
-/// 4.9 mm with 5 MPa, where the period is 0.3 times the duration: the upper ply vibrates on the interlayer and changes the
-/// acceleration by 2.8%, a fifth of the effect of shear and the local field.
-const LONGEST_VIBRATION_OF_INTERLAYER: f64 = 0.3;
-
 /// Smallest width of a cell at an edge, divided by the thickness, that is split to resolve the edge.
 const LEAST_SPLIT: f64 = 1.5;
 
@@ -124,7 +119,7 @@ pub fn crossing(scene: &Scene) -> f64 {
 pub struct ShearTravelTimes {
     /// Sum over all layers but soft interlayers.
     pub plies: f64,
-    /// Sum over the soft interlayers: layers between stiff ones, much softer than these ([`SOFT`]).
+    /// Sum over the soft interlayers: layers between stiff ones, much softer than these.
     pub interlayers: f64,
 }
 
@@ -141,23 +136,37 @@ impl ShearTravelTimes {
     }
 }
 
-/// Same as [`crossing`], where an [interlayer](interlayers) counts with the longer one of two periods: that of the
-/// vibration in which its neighbours squeeze it, and that of the shear wave between its faces, 2h/c_s. The latter counts up
-/// to a part of the contact only, since softer interlayers transmit less shear.
-pub fn local_vibrations(scene: &Scene) -> f64 {
-    let contact = scene.impactor.contact_time();
-    let instantaneous = |material: &Material| material.instantaneous;
-    times_over_contact(scene, instantaneous, |layers, layer| {
-        let Crossed { thickness, density, constants: Lame { lambda, mu } } = layers[layer];
-        if !are_interlayers(layers)[layer] {
-            return layers[layer].crossing();
-        }
-        let [above, below] = [layer - 1, layer + 1].map(|ply| layers[ply].thickness * layers[ply].density);
-        let reduced = above * below / (above + below);
-        let of_squeezing = TAU * (reduced * thickness / (lambda + 2.0 * mu)).sqrt();
-        let of_shear = 2.0 * thickness / (mu / density).sqrt();
-        of_squeezing.max(of_shear.min(LONGEST_VIBRATION_OF_INTERLAYER * contact))
-    })
+/// Times of vibrations near the impact point, divided by the contact time on a half-space.
+pub struct LocalVibrations {
+    /// Travel time of a shear wave through the plies.
+    pub plies: f64,
+    /// Sum over the [interlayers], each with the longer one of two periods: that of the vibration in which its neighbours
+    /// squeeze it, and that of the shear wave between its faces, 2h/c_s.
+    pub interlayers: f64,
+}
+
+impl LocalVibrations {
+    /// Vibrations with the moduli at t → 0. Infinite for a mesh file.
+    pub fn of(scene: &Scene) -> Self {
+        let instantaneous = |material: &Material| material.instantaneous;
+        let plies = times_over_contact(scene, instantaneous, |layers, layer| {
+            if are_interlayers(layers)[layer] { 0.0 } else { layers[layer].crossing() }
+        });
+        let interlayers = times_over_contact(scene, instantaneous, |layers, layer| {
+            if are_interlayers(layers)[layer] { longest_period(layers, layer) } else { 0.0 }
+        });
+        Self { plies, interlayers }
+    }
+}
+
+/// Longer one of the two periods of an interlayer, s.
+fn longest_period(layers: &[Crossed], interlayer: usize) -> f64 {
+    let Crossed { thickness, density, constants: Lame { lambda, mu } } = layers[interlayer];
+    let [above, below] = [interlayer - 1, interlayer + 1].map(|ply| layers[ply].thickness * layers[ply].density);
+    let reduced = above * below / (above + below);
+    let of_squeezing = TAU * (reduced * thickness / (lambda + 2.0 * mu)).sqrt();
+    let of_shear = 2.0 * thickness / (mu / density).sqrt();
+    of_squeezing.max(of_shear)
 }
 
 /// A layer that waves cross.
