@@ -146,8 +146,8 @@ pub(super) fn fit(
     Ok(Fitted { error: Some(found.error), ..relaxing })
 }
 
-/// The cells for bodies of a sweep, chosen as [`fit`] does; `None` if the cells are few, or if there are no coarser cells to compare with.
-/// Collective.
+/// The cells for bodies of a sweep, chosen as [`fit`] does; `None` if the cells are few, or if there are no coarser cells
+/// to compare with. Collective.
 ///
 /// # Errors
 /// Same as [`fit`](super::cells::fit).
@@ -167,8 +167,8 @@ pub(super) fn cell_size(
     }))
 }
 
-/// Chooses the cells for an allowed discretisation error; `None` if the cells are few, or if there are no coarser cells on which the elastic body can be
-/// computed.
+/// Chooses the cells for an allowed discretisation error; `None` if the cells are few, or if there are no coarser cells
+/// on which the elastic body can be computed.
 fn found(
     comm: &Comm,
     scene: &Scene,
