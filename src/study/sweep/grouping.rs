@@ -33,7 +33,8 @@ pub struct Found {
     pub theory: scene::Model,
     /// First member that needs this theory, if a simpler one suffices for other tested members.
     pub asked_by: Option<usize>,
-    /// First tested member for which the layerwise theory suffices, if the others are solids but could be computed by it.
+    /// First tested member for which the layerwise theory suffices. It is given if all members are computed as solids and
+    /// the layerwise theory admits the member in `asked_by`, too.
     pub layerwise_suffices: Option<usize>,
     /// Largest errors of this theory that `auto` estimated.
     pub errors: Errors,
