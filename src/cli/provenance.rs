@@ -7,7 +7,7 @@ use petsc_wrap::{Comm, options, petsc_version};
 use crate::error::Result;
 use crate::model::Model;
 use crate::record::provenance::{ModelDetails, Provenance, new_run_id};
-use crate::scene::{Scene, Source};
+use crate::scene::{Measure, Scene, Source};
 
 use super::load::mesh_digest;
 use super::notes::listed;
@@ -52,7 +52,7 @@ pub fn model_details(model: &Model) -> ModelDetails {
     ModelDetails {
         discretisation: model.discretisation.clone(),
         reason: model.reason.clone().unwrap_or_default(),
-        error_causes: listed(&estimate.causes()),
+        error_causes: listed(&estimate.causes(Measure::Acceleration)),
         first_contact_error: estimate.total().map_or(f64::NAN, |errors| errors.first_contact),
     }
 }

@@ -27,12 +27,24 @@ pub enum Footprint {
     /// A patch of a given radius, on which the contact pressure is Hertz's.
     Patch(Patch),
     /// A disc wider than the contact. The local compliance is that of the limit of a small patch.
-    Disc,
+    Disc {
+        /// Radius of the disc, m.
+        radius: f64,
+    },
 }
 
 impl Footprint {
     /// The patch, if there is one.
     pub fn patch(self) -> Option<Patch> {
         if let Self::Patch(patch) = self { Some(patch) } else { None }
+    }
+
+    /// Radius (m) of the disc on which the body carries the force; `None` for a point.
+    pub fn disc(self) -> Option<f64> {
+        match self {
+            Self::Point => None,
+            Self::Patch(patch) => Some(patch.disc),
+            Self::Disc { radius } => Some(radius),
+        }
     }
 }

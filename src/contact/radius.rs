@@ -22,6 +22,8 @@ const MARGIN: f64 = 1.25;
 pub struct Patch {
     /// Radius r_p, m.
     pub radius: f64,
+    /// Radius of the disc over which splines spread the pressure of the patch, m; on a mesh, r_p.
+    pub disc: f64,
     /// Requirement that determined the radius.
     pub reason: Reason,
     /// Thickness h of the body under the impact point, along the inward normal, m.
@@ -86,12 +88,12 @@ impl Patch {
                 (radius, reason) = (least, of);
             }
         }
-        Self { radius, reason, thickness, cell, limit_radius }
+        Self { radius, disc: radius, reason, thickness, cell, limit_radius }
     }
 
     /// The patch with its radius reduced to the room on the surface.
     pub(crate) fn cut_to(self, radius: f64) -> Self {
-        Self { radius, reason: Reason::Surface, ..self }
+        Self { radius, disc: radius, reason: Reason::Surface, ..self }
     }
 }
 

@@ -14,6 +14,8 @@ pub enum Cause {
     Basis,
     /// The size of the cells (discretisation error).
     Cells,
+    /// The static field near the impact point that is added to stresses.
+    LocalField,
     /// The theory of the body, compared with three-dimensional elasticity.
     Theory,
     /// The time steps.
@@ -28,6 +30,7 @@ impl Cause {
         match self {
             Self::Basis => "basis",
             Self::Cells => "cells",
+            Self::LocalField => "local field",
             Self::Theory => "theory",
             Self::Steps => "steps",
             Self::Patch => "patch",
@@ -298,9 +301,10 @@ impl ErrorEstimate {
         self.parts.iter().filter(|(_, errors)| !is_small(errors)).map(|(cause, _)| cause.name()).collect()
     }
 
-    /// Names of all causes.
-    pub fn causes(&self) -> Vec<&'static str> {
-        self.parts.iter().map(|(cause, _)| cause.name()).collect()
+    /// Names of all causes of the error of a quantity. The local field is part of the stresses only.
+    pub fn causes(&self, measure: Measure) -> Vec<&'static str> {
+        let counts = |cause: Cause| cause != Cause::LocalField || measure == Measure::Stress;
+        self.parts.iter().filter(|(cause, _)| counts(*cause)).map(|(cause, _)| cause.name()).collect()
     }
 }
 

@@ -38,7 +38,7 @@ impl ImpactParameters {
     /// Returns the parameters of an impactor on one of `multiplicity` parts of a body. `compliance` is c_l of Hertz's law on
     /// that part, m/N.
     pub fn of(impactor: &scene::Impactor, multiplicity: f64, (compliance, footprint): (f64, Footprint)) -> Self {
-        let layered = impactor.layered_contact().filter(|_| footprint == Footprint::Disc);
+        let layered = impactor.layered_contact().filter(|_| matches!(footprint, Footprint::Disc { .. }));
         let (force_law, compliance) = match layered {
             Some(layered) => (&layered.force_law, compliance - multiplicity * layered.compliance),
             None => (&impactor.force_law, compliance),
@@ -108,7 +108,7 @@ impl ImpactParameters {
             )));
         }
         let (what, remedy) = match self.footprint {
-            Footprint::Disc => (
+            Footprint::Disc { .. } => (
                 "too wide for the contact law",
                 "A larger contact.disc_radius, or a hit farther from edges and supports, is needed",
             ),

@@ -9,35 +9,22 @@ use serde::{Deserialize, Serialize};
 
 use super::cell_error::{Judge, ORDER, are_few, finer_size, is_unreliable};
 use super::elastic_cells;
+use super::local_field_error::local_field_errors;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::trials::{Trial, Trials};
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, InfinitePlate, ModalBody};
 use crate::error::{Error, Result};
-use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
+use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, rest};
 use crate::mesh::Measures;
-use crate::scene::{Contact, Geometry, Measure, Model, Scene};
-use crate::space::evaluate::{Evaluator, TensionErrors};
-use crate::space::plate::ShearTravelTimes;
+use crate::scene::{Measure, Model, Scene};
+use crate::space::evaluate::Evaluator;
 
 /// Size of the coarser cells relative to the others; and least and largest size of finer cells relative to the present
 /// ones.
 pub(super) const COARSER_CELL_FACTOR: f64 = 1.5;
 pub(super) const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, 0.85];
-
-/// Relative error of the tension due to the static local field, divided by the square of the travel time of a shear
-/// wave through the thickness, which is relative to the contact time on a half-space. With the pressure on a disc half as
-/// wide, which leaves more of the field to the body, the tension near its peak changed by 1.3 to 2 times that square.
-const LOCAL_FIELD_FACTOR: f64 = 2.5;
-
-/// Travel time through the interlayers above which this error of a layerwise plate grows linearly, not quadratically:
-/// softer interlayers transmit less shear. It was fitted (docs/numerics.md, section on cells).
-const LINEAR_DELAY_ABOVE: f64 = 0.04;
-
-/// Radius of a solid's disc, over the thickness of the stack, up to which it computes the waves in its interlayers. With
-/// a radius of 1 and 2, tensions next to interlayers differed by at most 0.3%.
-const WIDEST_DISC: f64 = 2.0;
 
 /// Share of the tolerance for the estimated discretisation error. It may be more if steps, basis and theory need less.
 pub(super) const CELL_SHARE: f64 = 0.6;
@@ -72,7 +59,7 @@ pub struct Fitted {
 pub struct CellSize {
     /// Cell size relative to the rule of thumb.
     pub size: f64,
-    /// Estimated discretisation error.
+    /// Estimated errors of the discretisation and of the local field.
     pub error: Errors,
     /// Numbers of vectors, of a smaller and a larger basis, with which a basis may begin to grow, if known.
     pub vectors: Option<[usize; 2]>,
@@ -141,7 +128,7 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
     }
     let Fitted { size, error, evaluator, .. } =
         refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, of_other_bases(scene), watch)?;
-    let error = error.map(|error| with_local_fields(scene, theory, evaluator.as_ref(), error));
+    let error = error.map(|error| with_local_field(scene, theory, evaluator.as_ref(), error));
     Ok(CellSize { size, error: error.unwrap_or_default(), vectors: None })
 }
 
@@ -242,31 +229,15 @@ fn allowed(scene: &Scene, others: Errors) -> f64 {
     }
 }
 
-/// Adds to the discretisation error the errors of the local fields. They do not depend on the cell size, so that they are
-/// part of the estimate, but not of the choice of cells.
-pub(super) fn with_local_fields(scene: &Scene, theory: Model, evaluator: Option<&Evaluator>, error: Errors) -> Errors {
-    let TensionErrors { of_cells, of_width, of_edges } = evaluator.map(Evaluator::tension_errors).unwrap_or_default();
-    let of_delay = delay_error(scene, theory);
-    let of_local_field = [of_width, of_delay, of_edges].into_iter().fold(of_cells, joined);
-    error.joined(Errors { stress: of_local_field, ..Errors::default() })
+/// Adds to the discretisation error that of averaging the stresses over cells. It is not used in choosing cells.
+pub(super) fn with_averaging(evaluator: Option<&Evaluator>, error: Errors) -> Errors {
+    let of_averaging = evaluator.map_or(0.0, |evaluator| evaluator.tension_errors().of_averaging);
+    error.joined(Errors { stress: of_averaging, ..Errors::default() })
 }
 
-/// Relative error of the tension because the local field is static: it follows the force without the travel time of
-/// waves. A solid computes the waves in the interlayers, unless its force is spread over a wider disc.
-pub(super) fn delay_error(scene: &Scene, theory: Model) -> f64 {
-    let ShearTravelTimes { plies, interlayers } = ShearTravelTimes::of(scene);
-    let is_computed = theory == Model::Solid && !has_wide_disc(scene);
-    let interlayers = if is_computed { 0.0 } else { interlayers };
-    LOCAL_FIELD_FACTOR * (plies + interlayers) * (plies + interlayers.min(LINEAR_DELAY_ABOVE))
-}
-
-/// Whether a solid's disc is wider than the widest one with which the waves in interlayers were compared. It is under soft
-/// outer layers, or if the scene gives a radius.
-fn has_wide_disc(scene: &Scene) -> bool {
-    let given = if let Contact::Patch { disc, .. } = scene.contact { disc } else { None };
-    let disc = scene.impactor.layered_contact().map(|layered| layered.disc).or(given);
-    let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return false };
-    disc.is_some_and(|disc| disc > WIDEST_DISC * size[axis])
+/// Joins all errors of a body on its cells, for bodies of sweeps.
+pub(super) fn with_local_field(scene: &Scene, theory: Model, evaluator: Option<&Evaluator>, error: Errors) -> Errors {
+    with_averaging(evaluator, error).joined(local_field_errors(scene, theory, evaluator))
 }
 
 /// Reduces a body to a basis. `size` is the size of its cells; `vectors` are numbers of vectors that were enough on

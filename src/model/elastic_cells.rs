@@ -11,7 +11,7 @@ use petsc_wrap::Comm;
 use super::cell_error::{ORDER, are_few};
 use super::cells::{
     CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, fitted, of_other_bases, on_cells_built,
-    on_coarser_cells, refine, unrefined, with_local_fields,
+    on_coarser_cells, refine, unrefined, with_local_field,
 };
 use super::error_factors::ErrorFactors;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, larger};
@@ -162,7 +162,7 @@ pub(super) fn cell_size(
     let found = found(comm, scene, theory, built, (None, allowed), watch)?;
     Ok(found.map(|found| {
         let vectors = Some(found.first_vectors(built, scene));
-        let error = with_local_fields(scene, theory, built.evaluator.as_ref(), found.error);
+        let error = with_local_field(scene, theory, built.evaluator.as_ref(), found.error);
         CellSize { size: found.size, error, vectors }
     }))
 }

@@ -16,8 +16,9 @@
 
 use petsc_wrap::Comm;
 
-use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR, delay_error};
+use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR};
 use super::elastic_cells::{self, Coarser};
+use super::local_field_error::delay_error;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::BASIS_SHARE;
 use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher};
@@ -92,7 +93,7 @@ pub(super) fn layered(
     let of_boundaries = mindlin_error_over_difference(&elastic) * difference;
     tracing::debug!(waves = of_waves.first_contact, boundaries = of_boundaries.first_contact, "error of the theory");
     let of_theory = of_waves + of_boundaries;
-    // This error of the tension counts in the choice of the theory only: the error of the cells has it already.
+    // This error of the tension counts in the choice of the theory only: the estimate has it as an error of the local field.
     let of_delay = match scene.measure {
         Measure::Stress => delay_error(scene, Theory::Layerwise) - delay_error(scene, Theory::Solid),
         Measure::Acceleration | Measure::Deflection => 0.0,

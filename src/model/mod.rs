@@ -8,6 +8,7 @@ mod error_factors;
 mod judgement;
 mod layers;
 mod linearity;
+mod local_field_error;
 mod long_waves;
 mod mindlin_error;
 mod readings;
@@ -22,6 +23,7 @@ pub use error_factors::ErrorFactors;
 pub use judgement::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION};
 use judgement::{LARGEST_COST_FOR_DEFLECTIONS, cost};
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
+use local_field_error::local_field_errors;
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
 use reduce::is_moved_by_loads;
@@ -30,12 +32,12 @@ pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, layerwise_evaluator, layerwise_for_products, name};
 
 pub use cells::{CellSize, Fitted, cell_size};
-use cells::{fit, refine, unrefined, with_local_fields};
+use cells::{fit, refine, unrefined, with_averaging};
 
 use petsc_wrap::Comm;
 
 use crate::body::{Body, ModalBody, Projection};
-use crate::contact::Patch;
+use crate::contact::{Footprint, Patch};
 use crate::error::{Error, Result};
 use crate::impact::{Cause, ErrorEstimate, ErrorRule, Errors, KnownForce};
 use crate::mesh::Measures;
@@ -120,9 +122,14 @@ impl Dynamics {
 
     /// The patch under the impactor, if there is one.
     pub fn patch(&self) -> Option<Patch> {
+        self.footprint().patch()
+    }
+
+    /// Distribution of the contact force on the surface.
+    pub fn footprint(&self) -> Footprint {
         match self {
-            Self::Stepped(body) => body.localization.footprint.patch(),
-            Self::Modal(body) => body.footprint.patch(),
+            Self::Stepped(body) => body.localization.footprint,
+            Self::Modal(body) => body.footprint,
         }
     }
 }
@@ -195,7 +202,9 @@ impl Model {
             Some(_) => ShortWaves::WithEchoes,
             None => ShortWaves::WithoutEchoes,
         });
-        let cells = cells.map(|error| with_local_fields(scene, theory, evaluator.as_ref(), error));
+        let cells = cells.map(|error| {
+            [with_averaging(evaluator.as_ref(), error), local_field_errors(scene, theory, evaluator.as_ref())]
+        });
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,
             _ => Some(Gauges::new(comm, scene, evaluator, unknowns, Some(krylov.whole(vectors)))?),
@@ -212,7 +221,8 @@ impl Model {
             Self { vectors, short_waves, judge, known, gauges, measures, is_moved_by_loads, may_lower_shift, ..bare };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
-            Some(error) => model.with_error(Cause::Cells, error),
+            Some([of_cells, local]) if local.stress == 0.0 => model.with_error(Cause::Cells, of_cells),
+            Some([of_cells, local]) => model.with_error(Cause::Cells, of_cells).with_error(Cause::LocalField, local),
             None => model,
         })
     }

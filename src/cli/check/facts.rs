@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::contact::ForceLaw;
 use crate::model;
+use crate::scene::Measure;
 
 use super::super::notes::describe_model;
 use super::Report;
@@ -56,6 +57,7 @@ struct ContactFacts {
     duration: f64,
     peak_force: f64,
     patch_radius: Option<f64>,
+    disc_radius: Option<f64>,
 }
 
 /// The report as one JSON object.
@@ -78,7 +80,7 @@ pub(super) fn json(report: &Report) -> String {
             unknowns: made.unknowns,
             vectors: made.vectors,
             first_contact_error: made.error_before_steps().total().map(|errors| errors.first_contact),
-            error_is_of: made.error.causes(),
+            error_is_of: made.error.causes(Measure::Acceleration),
         }),
         model_missing: report.model.as_ref().err().map(String::as_str),
         contact: ContactFacts {
@@ -90,6 +92,7 @@ pub(super) fn json(report: &Report) -> String {
             duration: contact_time(scene),
             peak_force: impactor.peak_force(),
             patch_radius: made.and_then(|made| made.dynamics.patch()).map(|patch| patch.radius),
+            disc_radius: made.and_then(|made| made.dynamics.footprint().disc()),
         },
         solver: cost.as_ref().map(|cost| cost.solver.as_str()),
         memory: cost.as_ref().and_then(|cost| cost.memory.as_deref()),

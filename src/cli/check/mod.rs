@@ -103,7 +103,7 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     let of_volume =
         report.measures.as_ref().and_then(|measures| Some(scene.body.composition.density()? * measures.volume));
     report.mass = report.mass.or(of_volume);
-    let patch = report.model.as_ref().ok().and_then(|model| model.dynamics.patch());
+    let footprint = report.model.as_ref().ok().map(|model| model.dynamics.footprint());
     if let Ok(model) = &report.model {
         report.notes.extend(notes::note_of_measure(model, scene));
         let is_elsewhere = scene.hit_near_clamped_edge().is_some();
@@ -115,7 +115,7 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     }
     report.warnings.extend(notes::texts(notes::of_values(scene, source)));
     report.warnings.extend(notes::texts(notes::of_geometry(scene, report.measures.as_ref())));
-    report.notes.splice(0..0, notes::texts(notes::notes(scene, patch.as_ref(), report.plan.as_ref())));
+    report.notes.splice(0..0, notes::texts(notes::notes(scene, footprint, report.plan.as_ref())));
     Ok(report)
 }
 

@@ -1,6 +1,6 @@
 //! Prints a report as lines of text.
 
-use crate::contact::{ForceLaw, Patch, Reason};
+use crate::contact::{Footprint, ForceLaw, Reason};
 use crate::description::{Description, Part, Portion};
 use crate::form;
 use crate::impact::{Plan, steps};
@@ -23,8 +23,7 @@ pub(super) fn print(report: &Report) {
         say(format_args!("warning    {warning}"));
     }
     print_scene(report);
-    let patch = model.as_ref().ok().and_then(|model| model.dynamics.patch());
-    print_contact(scene, patch.as_ref());
+    print_contact(scene, model.as_ref().ok().map(|model| model.dynamics.footprint()));
     print_time(scene, plan.as_ref());
     for note in notes {
         say(format_args!("note       {note}"));
@@ -182,7 +181,7 @@ fn law(impactor: &Impactor) -> String {
     }
 }
 
-fn print_contact(scene: &Scene, patch: Option<&Patch>) {
+fn print_contact(scene: &Scene, footprint: Option<Footprint>) {
     let impactor = &scene.impactor;
     let [x, y, z] = impactor.direction.map(|d| (1e6 * d).round() / 1e6);
     say(format_args!(
@@ -199,12 +198,15 @@ fn print_contact(scene: &Scene, patch: Option<&Patch>) {
         1e3 * contact_time(scene),
         impactor.peak_force()
     ));
-    let Some(patch) = patch else {
-        if scene.contact == Contact::Point {
-            say(format_args!("           at a point"));
-        }
-        return;
-    };
+    if scene.contact == Contact::Point {
+        say(format_args!("           at a point"));
+    }
+    let patch = footprint.and_then(Footprint::patch);
+    let is_patch = |radius: f64| patch.is_some_and(|patch| patch.radius == radius);
+    if let Some(radius) = footprint.and_then(Footprint::disc).filter(|radius| !is_patch(*radius)) {
+        say(format_args!("           the body carries the force on a disc of radius {} m", short(radius)));
+    }
+    let Some(patch) = patch else { return };
     let reason = match patch.reason {
         Reason::Scene => "as the scene says".to_owned(),
         Reason::Thickness => format!("a quarter of the thickness of {:.4} m", patch.thickness),

@@ -24,7 +24,7 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
         };
     }
     if let Some(errors) = model.error.total() {
-        let causes = listed(&model.error.causes());
+        let causes = listed(&model.error.causes(scene.measure));
         // If the error of another quantity is not estimated, the tolerance applies to the acceleration, as a note says.
         let of_what = match scene.measure {
             Measure::Stress | Measure::Deflection if !errors.own(scene.measure).is_nan() => {
@@ -56,13 +56,13 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let estimate = model.error_before_steps();
     let error = estimate.total().map(|errors| errors.of(scene.measure)).filter(|error| !is_good(error))?;
     let (of_what, part) = (scene.of_measure(), scene.in_measured_part());
-    let causes = estimate.causes();
+    let causes = estimate.causes(scene.measure);
     let of = listed(&causes);
     let message = format!(
         "the estimated error{of_what}{part} is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
-         what may lower it: {}",
+         {}",
         beside(error, tolerance),
-        remedies(&estimate.causes_to_mend(scene.measure, tolerance), scene)
+        remedies(&estimate, &estimate.causes_to_mend(scene.measure, tolerance), scene)
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
 }
@@ -161,10 +161,10 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     let (measure, tolerance) = (scene.measure, scene.tolerance);
     let mut missed = Vec::new();
     let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().is_nan();
-    let remedies_of_stress = || remedies(&estimate.causes_to_mend(measure, tolerance), scene);
+    let remedies_of_stress = || remedies(estimate, &estimate.causes_to_mend(measure, tolerance), scene);
     if measure == Measure::Stress && is_for_another_place {
         let (error, help) = if errors.stress > tolerance {
-            (beside(errors.stress, tolerance), format!("; what may lower it: {}", remedies_of_stress()))
+            (beside(errors.stress, tolerance), format!("; {}", remedies_of_stress()))
         } else {
             (estimated(errors.stress), String::new())
         };
@@ -175,7 +175,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     } else if measure == Measure::Stress && !was_warned && errors.stress > tolerance {
         missed.push(format!(
             "the estimated error of the largest tension in the first contact is {} with that of the steps, above accuracy.tolerance = {tolerance:e}; \
-             what may lower it: {}",
+             {}",
             beside(errors.stress, tolerance),
             remedies_of_stress()
         ));
@@ -184,9 +184,9 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     if measure == Measure::Deflection && !was_warned && error_of_deflection > tolerance {
         missed.push(format!(
             "the estimated error of the deflection under the impactor, including that of the steps, is {} of its largest value, \
-             above accuracy.tolerance = {tolerance:e}; what may lower it: {}",
+             above accuracy.tolerance = {tolerance:e}; {}",
             beside(error_of_deflection, tolerance),
-            remedies(&estimate.causes_to_mend(measure, tolerance), scene)
+            remedies(estimate, &estimate.causes_to_mend(measure, tolerance), scene)
         ));
     }
     missed.extend(of_tension(estimate, scene, is_for_another_place));
@@ -205,8 +205,8 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
         };
         missed.push(format!(
             "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for {scope}{later}; \
-             what may lower it: {}{step}",
-            remedies(&estimate.main_causes_of_history(), scene)
+             {}{step}",
+            remedies(estimate, &estimate.main_causes_of_history(), scene)
         ));
     }
     missed
@@ -221,29 +221,39 @@ pub fn scope_of_tolerance(measure: Measure) -> &'static str {
     }
 }
 
-/// Hints how to reduce the errors of causes.
-fn remedies(causes: &[&str], scene: &Scene) -> String {
-    let mut remedies: Vec<&str> = causes.iter().map(|cause| remedy(cause, scene)).collect();
+/// Hints how to reduce the errors of causes: a clause.
+fn remedies(estimate: &ErrorEstimate, causes: &[&str], scene: &Scene) -> String {
+    let is_plate = match scene.body.model {
+        Theory::Solid => false,
+        // A plate that was selected has an error of the theory.
+        Theory::Auto => estimate.of(Cause::Theory).is_some(),
+        _ => true,
+    };
+    let mut remedies: Vec<&str> = causes.iter().filter_map(|cause| remedy(cause, scene, is_plate)).collect();
+    if remedies.is_empty() {
+        return "no setting is known to lower it".to_owned();
+    }
     remedies.sort_unstable();
     remedies.dedup();
-    remedies.join(", or ")
+    format!("what may lower it: {}", remedies.join(", or "))
 }
 
-/// Hint how to reduce the error caused by a part of a model.
-fn remedy(part: &str, scene: &Scene) -> &'static str {
+/// Hint how to reduce the error caused by a part of a model, if there is a way.
+fn remedy(part: &str, scene: &Scene, is_plate: bool) -> Option<&'static str> {
     match part {
         "basis" if matches!(scene.body.reduction, Reduction::Vectors(_)) => {
-            "body.reduction = \"auto\" in place of a number"
+            Some("body.reduction = \"auto\" in place of a number")
         }
-        "patch" => "finer cells at the impact point",
-        "theory" if scene.body.model != Theory::Solid && spline::admits(scene).is_ok() => "body.model = \"solid\"",
-        "theory" if scene.body.model != Theory::Solid && scene.body.composition.uniform().is_none() => {
-            "body.model = \"solid\" on a fine mesh by body.cells (its error is not estimated, and it has no stresses between layers)"
+        "patch" => Some("finer cells at the impact point"),
+        "theory" | "local field" if is_plate && spline::admits(scene).is_ok() => Some("body.model = \"solid\""),
+        "theory" if is_plate && scene.body.composition.uniform().is_none() => Some(
+            "body.model = \"solid\" on a fine mesh by body.cells (its error is not estimated, and it has no stresses between layers)",
+        ),
+        "theory" if is_plate => {
+            Some("body.model = \"solid\" on a fine mesh by body.cells, whose error is not estimated")
         }
-        "theory" if scene.body.model != Theory::Solid => {
-            "body.model = \"solid\" on a fine mesh by body.cells, whose error is not estimated"
-        }
-        _ => "a smaller accuracy.tolerance",
+        "local field" => None,
+        _ => Some("a smaller accuracy.tolerance"),
     }
 }
 
@@ -353,6 +363,31 @@ mod tests {
                     "{told:?}"
                 );
             }
+        }
+    }
+
+    /// Finer cells do not lower an error of the local field: the solid computes more of that field than a plate does, and for
+    /// a solid there is no advice. A plate that `auto` selected has an error of the theory.
+    #[test]
+    fn advice_for_the_local_field_is_the_solid() {
+        let told = |model: &str, of_theory: Option<f64>| {
+            let of_stress = |stress: f64| Errors { stress, ..Errors::throughout(1e-3) };
+            let estimate =
+                ErrorEstimate::default().with(Cause::Cells, of_stress(4e-3)).with(Cause::LocalField, of_stress(3e-2));
+            let estimate = match of_theory {
+                Some(error) => estimate.with(Cause::Theory, of_stress(error)),
+                None => estimate,
+            };
+            let scene = Scene { measure: Measure::Stress, ..pane(&format!("[body]\nmodel = \"{model}\"\n")) };
+            let largest = LargestTension { error_estimate: 3e-2, ..LargestTension::default() };
+            missed(&estimate, &scene, false, &largest).concat()
+        };
+        let solid = "what may lower it: body.model = \"solid\"";
+        assert!(told("mindlin", None).ends_with(solid) && told("auto", Some(1e-3)).ends_with(solid));
+        // The theory's error is the largest, and that of the cells is within the tolerance.
+        assert!(told("auto", Some(4e-2)).ends_with(solid));
+        for model in ["solid", "auto"] {
+            assert!(told(model, None).ends_with("no setting is known to lower it"), "{}", told(model, None));
         }
     }
 

@@ -1,6 +1,6 @@
 //! Remarks on a scene: values that are probably a mistake, geometry, contact, time steps, and keys without effect.
 
-use crate::contact::{ForceLaw, Patch, Reason};
+use crate::contact::{Footprint, ForceLaw, Patch, Reason};
 use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model;
@@ -9,6 +9,7 @@ use crate::scene::{
 };
 use crate::scheme::critical_frequency;
 
+use super::super::short;
 use super::Remark;
 
 /// Remarks on values that are probably a mistake.
@@ -155,16 +156,18 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     warnings
 }
 
-/// Notes on a scene, with its patch and its time steps. They are not errors, but they may affect the results.
-pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<Remark> {
-    let mut notes = Vec::new();
+/// Notes on a scene, with the distribution of its force and its time steps, if these are known. They are not errors, but
+/// they may affect the results.
+pub fn notes(scene: &Scene, footprint: Option<Footprint>, plan: Option<&Plan>) -> Vec<Remark> {
+    let mut notes: Vec<Remark> = footprint.and_then(|footprint| other_disc(scene, footprint)).into_iter().collect();
+    let patch = footprint.and_then(Footprint::patch);
     let mut add = |kind: &str, size: f64, text: String| notes.push(Remark::new(kind, size, text));
     let impactor = &scene.impactor;
     let finer = match scene.body.geometry {
         Geometry::Box { .. } => "body.grading makes cells finer there",
         Geometry::Gmsh(_) => "make the mesh finer there",
     };
-    if let Some(patch) = patch {
+    if let Some(patch) = &patch {
         if patch.is_coarse() {
             let text = format!(
                 "cells of {:.4} m do not resolve the patch: they should be {:.4} m or smaller at the impact point; {finer}",
@@ -306,6 +309,23 @@ pub fn notes(scene: &Scene, patch: Option<&Patch>, plan: Option<&Plan>) -> Vec<R
     notes
 }
 
+/// Note on a disc with another radius than the scene gives.
+fn other_disc(scene: &Scene, footprint: Footprint) -> Option<Remark> {
+    let Contact::Patch { disc: Some(given), .. } = scene.contact else { return None };
+    let radius = footprint.disc().filter(|radius| (radius / given - 1.0).abs() > 1e-6)?;
+    let why = if radius > given {
+        "too small for this contact, whose stiffness would be negative"
+    } else {
+        "larger than the distance to the nearest edge"
+    };
+    let text = format!(
+        "contact.disc_radius = {} is {why}: the body carries the force on a disc of radius {} m",
+        short(given),
+        short(radius)
+    );
+    Some(Remark::new("other disc", (radius / given - 1.0).abs(), text))
+}
+
 /// Distance of a temperature (°C) from the usual range of a material's shift, K, with the text of a note. `None` in or
 /// near the range.
 fn extrapolated(scene: &Scene, temperature: f64) -> Option<(f64, String)> {
@@ -354,6 +374,22 @@ mod tests {
             notes(&scene, None, None).iter().any(|note| note.kind == "contact at an edge")
         };
         assert!(noted(0.397) && !noted(0.39) && !noted(0.0));
+    }
+
+    /// A disc that is wider or narrower than the scene asks for is noted; one as given, or chosen, is not.
+    #[test]
+    fn another_disc_than_the_given_one_is_noted() {
+        let noted = |given: &str, radius: f64| {
+            let scene = Scene::parse("scene", PANE, &[given.to_owned()]).expect("a scene").0;
+            let notes = notes(&scene, Some(Footprint::Disc { radius }), None);
+            notes.into_iter().find(|note| note.kind == "other disc").map(|note| note.text)
+        };
+        let wider = noted("contact.disc_radius=0.01", 0.02).expect("a note");
+        assert!(wider.contains("too small") && wider.contains("radius 0.0200 m"), "{wider}");
+        let narrower = noted("contact.disc_radius=0.3", 0.25).expect("a note");
+        assert!(narrower.contains("nearest edge") && narrower.contains("radius 0.2500 m"), "{narrower}");
+        assert_eq!(noted("contact.disc_radius=0.01", 0.01), None);
+        assert_eq!(noted("output.stress=true", 0.02), None);
     }
 
     const PANE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.8, 0.5, 0.012]\n\

@@ -2,7 +2,7 @@
 
 use petsc_wrap::Comm;
 
-use crate::contact::Patch;
+use crate::contact::Footprint;
 use crate::error::{Error, Result};
 use crate::model::{Model, Simulation};
 use crate::scene::Scene;
@@ -20,7 +20,7 @@ pub(super) struct Announcement {
     /// Warnings about the geometry of the scene.
     warnings: Vec<String>,
     of_measure: Option<String>,
-    patch: Option<Patch>,
+    footprint: Footprint,
     is_factorised: bool,
 }
 
@@ -44,7 +44,7 @@ impl Announcement {
             reason: model.reason.clone(),
             warnings: notes::texts(notes::of_geometry(scene, model.measures.as_ref())),
             of_measure: notes::note_of_measure(model, scene),
-            patch: model.dynamics.patch(),
+            footprint: model.dynamics.footprint(),
             is_factorised: model.dynamics.is_factorised_on_ranks(),
         })
     }
@@ -65,7 +65,7 @@ impl Announcement {
         for warning in self.warnings.iter().chain(&missing_faces) {
             tell(format_args!("warning: {warning}"));
         }
-        let of_scene = notes::texts(notes::notes(scene, self.patch.as_ref(), impact.plan().as_ref()));
+        let of_scene = notes::texts(notes::notes(scene, Some(self.footprint), impact.plan().as_ref()));
         for line in of_scene.iter().chain(&self.of_measure) {
             note(format_args!("note: {line}"));
         }

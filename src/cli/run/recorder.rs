@@ -15,7 +15,7 @@ use crate::record::extremes::extremes;
 use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
 use crate::record::stress::LargestTension;
-use crate::scene::Scene;
+use crate::scene::{Measure, Scene};
 
 use super::super::checkpoint_writer::CheckpointWriter;
 use super::super::interrupt::Interrupt;
@@ -96,7 +96,7 @@ impl Recorder {
 
 /// Causes that an estimated error includes, and whether the error of the time steps is missing.
 fn judged(scene: &Scene, estimate: &ErrorEstimate) -> String {
-    let causes = notes::listed(&estimate.causes());
+    let causes = notes::listed(&estimate.causes(Measure::Acceleration));
     match scene.time.step {
         Some(_) => format!("{causes}; the error of the given time step is not estimated"),
         None => causes,

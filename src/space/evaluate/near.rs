@@ -6,6 +6,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use crate::form::{Material, Spread};
+use crate::impact::joined;
 use crate::scene::{Contact, Geometry, Impactor, LayeredContact, Scene, Vec3, faces};
 use crate::stack::{
     Carrier, Cylindrical, LEAST_DEPTH_OVER_CONTACT, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack,
@@ -113,12 +114,17 @@ type Reading = ([u64; 2], bool);
 pub struct NearHit {
     hit: Hit,
     stack: Stack,
+    /// The stack with the secant moduli of the whole contact, if layers relax.
+    relaxed: Option<Stack>,
     /// Axis normal to the impacted face.
     pub struck: usize,
     point: Vec3,
     /// Distances of the impact point from the edges, m.
     edges: [f64; 4],
     largest: f64,
+    /// Contact radius at the peak of an impact on a body that does not deflect, m.
+    contact_radius: f64,
+    of_relaxation: OnceCell<f64>,
     /// Whether the contact has the law of a sphere on the layers.
     has_layered_contact: bool,
     by_sections: OnceCell<LocalField>,
@@ -148,12 +154,12 @@ pub struct LocalPoint {
 /// Estimated errors of the tension opposite the impact point, relative to its peak.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TensionErrors {
-    /// Error of averaging over a disc, due to the cells within it.
-    pub of_cells: f64,
-    /// Error of averaging over a disc, due to its width.
-    pub of_width: f64,
+    /// Error of averaging over a disc, due to the cells within it and to its width. It falls with the size of the cells.
+    pub of_averaging: f64,
     /// Error of a plate's local field, which is that of a plate without edges.
     pub of_edges: f64,
+    /// Error of the local field because relaxing layers have one secant modulus in it.
+    pub of_relaxation: f64,
 }
 
 impl ContactSize {
@@ -212,13 +218,17 @@ impl NearHit {
         if nearest(&edges) < LEAST_ROOM * size[struck] * (1.0 - 1e-9) {
             return None;
         }
+        let contact_radius = contact.at_peak(&scene.impactor);
         Some(Self {
             hit,
             stack,
+            relaxed: relaxed(scene, (struck, size[struck])),
             struck,
             point,
             edges,
-            largest: (WIDEST * contact.at_peak(&scene.impactor)).max(LEAST_TABLE * size[struck]),
+            largest: (WIDEST * contact_radius).max(LEAST_TABLE * size[struck]),
+            contact_radius,
+            of_relaxation: OnceCell::new(),
             has_layered_contact: contact.layered.is_some(),
             by_sections: OnceCell::new(),
             as_it_is: OnceCell::new(),
@@ -262,11 +272,26 @@ impl NearHit {
         let (own, disc) = (self.hit.pressure.radius(), self.smoothing());
         let is_plate = matches!(self.hit.body, HitBody::OneLayer(Sections::Plate { .. }) | HitBody::Layerwise(_));
         let of_edge = |distance: f64| EDGE_ERROR * (self.thickness() / distance).powi(3);
+        let of_cells = MEAN_ERROR * (CELLS * self.hit.cell / disc).powf(ORDER_OF_MEAN);
+        let of_width = if own > 0.0 { WIDE_MEAN_ERROR * (disc / own).powi(2) } else { 0.0 };
         TensionErrors {
-            of_cells: MEAN_ERROR * (CELLS * self.hit.cell / disc).powf(ORDER_OF_MEAN),
-            of_width: if own > 0.0 { WIDE_MEAN_ERROR * (disc / own).powi(2) } else { 0.0 },
+            of_averaging: joined(of_cells, of_width),
             of_edges: if is_plate { self.edges.into_iter().map(of_edge).sum() } else { 0.0 },
+            of_relaxation: *self.of_relaxation.get_or_init(|| self.relaxation_error()),
         }
+    }
+
+    /// Change of the local tension on the lower face of the impacted layer, under the force, if relaxing layers have the
+    /// secant moduli of the whole contact in place of those of half of it; over F/h² with the thickness h of this layer,
+    /// which is about the tension there.
+    fn relaxation_error(&self) -> f64 {
+        let Some(relaxed) = &self.relaxed else { return 0.0 };
+        let depth = self.stack.layers()[0].thickness;
+        let tension = |stack: &Stack| {
+            let field = LocalField::on_axis(stack.clone(), self.carrier_of_means(stack), self.contact_radius);
+            field.at(0.0, depth).stress(self.contact_radius).rr
+        };
+        (tension(relaxed) - tension(&self.stack)).abs() * depth * depth
     }
 
     /// Point on the other face opposite the impact point, m.
@@ -313,7 +338,8 @@ impl NearHit {
         }
         let field = if is_smoothed {
             let reach = SMOOTHED * self.thickness();
-            let made = || LocalField::within(reach, self.stack.clone(), self.carrier_of_means(), self.largest);
+            let made =
+                || LocalField::within(reach, self.stack.clone(), self.carrier_of_means(&self.stack), self.largest);
             self.by_sections.get_or_init(made)
         } else {
             self.as_it_is.get_or_init(|| {
@@ -338,19 +364,20 @@ impl NearHit {
     /// Local stresses for 1 N that are to be added to the mean stresses at the point opposite the impact point, for a
     /// contact radius (m), Pa.
     pub fn lack_under_hit(&self, contact_radius: f64) -> [f64; 6] {
-        let field = LocalField::on_axis(self.stack.clone(), self.carrier_of_means(), contact_radius);
+        let field = LocalField::on_axis(self.stack.clone(), self.carrier_of_means(&self.stack), contact_radius);
         let [radial, inward] = self.directions(self.under_hit());
         field.at(0.0, self.thickness()).stress(contact_radius).cartesian(radial, inward)
     }
 
-    /// Model of the body that corresponds to stresses evaluated as means.
-    fn carrier_of_means(&self) -> Carrier {
+    /// Model of the body that corresponds to stresses evaluated as means, on its stack or one with other moduli.
+    fn carrier_of_means(&self, stack: &Stack) -> Carrier {
         let pressure = self.hit.pressure;
         let smoothing = Pressure::Spread { spread: Spread::new(0.0), radius: self.smoothing() };
         match &self.hit.body {
             HitBody::OneLayer(body) => Carrier::Sections { pressure, smoothing, body: *body },
             HitBody::Layerwise(theory) => {
-                Carrier::Layerwise { pressure, theory: theory.clone(), smoothing: Some(smoothing) }
+                let theory = if *stack == self.stack { theory.clone() } else { Layerwise::new(stack) };
+                Carrier::Layerwise { pressure, theory, smoothing: Some(smoothing) }
             }
             HitBody::Layers(_) => Carrier::Sections { pressure, smoothing, body: Sections::Solid },
         }
@@ -401,6 +428,24 @@ impl NearHit {
         }
         [radial, inward]
     }
+}
+
+/// Stack of the layers along an axis and their total thickness (m), from the impacted face, with the secant moduli of the
+/// whole contact; `None` if no layer relaxes.
+fn relaxed(scene: &Scene, (axis, thickness): (usize, f64)) -> Option<Stack> {
+    let mut layers = scene.body.composition.across(axis, thickness);
+    if layers.iter().all(|(_, material)| material.shear.is_none()) {
+        return None;
+    }
+    if scene.impactor.point[axis] < 0.0 {
+        layers.reverse();
+    }
+    let time = scene.impactor.contact_time();
+    let layer = |(thickness, material): (f64, crate::material::Material)| {
+        let Material { young, poisson, .. } = material.secant(time);
+        Layer { thickness, young, poisson }
+    };
+    Stack::new(&layers.into_iter().map(layer).collect::<Vec<_>>())
 }
 
 /// Distance from the nearest of the edges, m.

@@ -47,9 +47,10 @@ impl Localization {
         let chosen = Patch::choose(thickness, site.cell, limit_radius);
         let axes = Axes::new(&site);
         let (patch, weights) = match radius {
-            Some(radius) => {
-                (Patch { radius, reason: Reason::Scene, ..chosen }, weights_of_given(mesh, &axes, radius, least)?)
-            }
+            Some(radius) => (
+                Patch { radius, disc: radius, reason: Reason::Scene, ..chosen },
+                weights_of_given(mesh, &axes, radius, least)?,
+            ),
             None => fit(mesh, &axes, chosen, least)?,
         };
         let compliance = multiplicity * unit_compliance / patch.radius;

@@ -332,6 +332,11 @@ impl Plate {
         }
         let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
         let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
+        let disc = points.laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
+        let footprint = match disc {
+            Some(radius) if compliance != 0.0 => Footprint::Disc { radius },
+            _ => Footprint::Point,
+        };
         let is_known =
             points.laminate.is_none() || settings.separates_short_waves || settings.has_echoes_in_closed_form;
         let rate = waves::rate(scene);
@@ -349,7 +354,7 @@ impl Plate {
             support_offset: terms.support_offset,
             localization: location::localization(&points),
             compliance: if compliance == 0.0 { 0.0 } else { -compliance * multiplicity },
-            footprint: if compliance == 0.0 { Footprint::Point } else { Footprint::Disc },
+            footprint,
             hit_stress: Vec::new(),
             local_stress_per_newton: [0.0; 3],
             infinite_plate,

@@ -100,8 +100,6 @@ impl PatchModel {
             );
             return Err(fault(message, "an impact point farther from the edge of the surface, or another face").into());
         }
-        let of_radius = |radius| Patch { radius, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 };
-        let footprint = given.map_or(Footprint::Disc, |radius| Footprint::Patch(of_radius(radius)));
         // The moduli of a viscoelastic stack are those of one temperature. The disc does not depend on them, so that all
         // temperatures have the same cells.
         let is_wide_stack = is_stack && !is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
@@ -119,6 +117,12 @@ impl PatchModel {
         let (wanted, _) = limits(disc, compliance(disc) + of_stack);
         let is_kept = has_law_of_layers || of_stack <= 0.0 || MARGIN * wanted <= disc;
         let of_stack = if is_kept { of_stack } else { 0.0 };
+        let footprint = match given {
+            Some(radius) => {
+                Footprint::Patch(Patch { radius, disc, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 })
+            }
+            None => Footprint::Disc { radius: disc },
+        };
         Ok(Self { footprint, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
     }
 

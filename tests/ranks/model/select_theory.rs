@@ -207,5 +207,8 @@ fn a_plate_stands_for_a_solid_too_large_for_splines(session: &Session) {
     let why = auto.reason.unwrap_or_default();
     assert!(why.contains(&reason) && why.contains("but used"), "{why}");
     let estimate = auto.error.total().expect("auto tells its error").first_contact;
-    assert!(auto.error.causes().contains(&"theory") && estimate > whole.tolerance, "{estimate:e}");
+    assert!(
+        auto.error.causes(ricochet::scene::Measure::Acceleration).contains(&"theory") && estimate > whole.tolerance,
+        "{estimate:e}"
+    );
 }
