@@ -14,7 +14,7 @@ use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
 /// What may lower the error of a member.
-const REMEDIES: &str = "a smaller accuracy.tolerance may lower the error; `ricochet run` of this member alone may, too, because it shares no basis with other members";
+const REMEDIES: &str = "a smaller accuracy.tolerance may lower the error; so may `ricochet run` of this member alone, which shares no basis with other members and says what lowers its error";
 
 /// Remarks on members, sorted by kind.
 #[derive(Default)]

@@ -39,7 +39,7 @@ impl Footprint {
         if let Self::Patch(patch) = self { Some(patch) } else { None }
     }
 
-    /// Radius (m) of the disc on which the body carries the force; `None` for a point.
+    /// Radius (m) of the disc over which the force is applied to the body; `None` for a point.
     pub fn disc(self) -> Option<f64> {
         match self {
             Self::Point => None,

@@ -22,7 +22,7 @@ const MARGIN: f64 = 1.25;
 pub struct Patch {
     /// Radius r_p, m.
     pub radius: f64,
-    /// Radius of the disc over which splines spread the pressure of the patch, m; on a mesh, r_p.
+    /// Radius of the disc over which the force is applied to the body, m: r_p on a mesh, at least r_p with splines.
     pub disc: f64,
     /// Requirement that determined the radius.
     pub reason: Reason,

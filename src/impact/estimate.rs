@@ -14,7 +14,7 @@ pub enum Cause {
     Basis,
     /// The size of the cells (discretisation error).
     Cells,
-    /// The static field near the impact point that is added to stresses.
+    /// The static stress field that is added near the impact point.
     LocalField,
     /// The theory of the body, compared with three-dimensional elasticity.
     Theory,
@@ -264,46 +264,49 @@ impl ErrorEstimate {
         self.total().filter(|_| has_basis).map_or(f64::NAN, |errors| errors.deflection)
     }
 
-    /// Names of the causes to be mended if the total is above the tolerance: those whose error is at least a fifth of the
-    /// largest one, or, if the theory's error alone is above the tolerance, those whose error is above the tolerance and
-    /// at least half of the theory's. Finer cells do not help against a theory.
-    pub fn causes_to_mend(&self, measure: Measure, tolerance: f64) -> Vec<&'static str> {
-        let is_above = |errors: &Errors| errors.of(measure) > tolerance;
-        match self.of(Cause::Theory) {
-            Some(of_theory) if is_above(&of_theory) => {
-                let least = 0.5 * of_theory.of(measure);
-                let is_large = |errors: &Errors| is_above(errors) && errors.of(measure) >= least;
-                self.parts.iter().filter(|(_, errors)| is_large(errors)).map(|(cause, _)| cause.name()).collect()
-            }
-            _ => self.main_causes(measure),
+    /// Causes to be mended if the total is above the tolerance: those whose error is at least a fifth of the largest one, or,
+    /// if the theory's error or that of the local field alone is above the tolerance, those whose error is above the
+    /// tolerance and at least half of it. Finer cells do not help against these two.
+    pub fn causes_to_mend(&self, measure: Measure, tolerance: f64) -> Vec<Cause> {
+        let measure = self.known(measure);
+        let is_fixed = |cause: Cause| matches!(cause, Cause::Theory | Cause::LocalField);
+        let fixed = self.parts.iter().filter(|(cause, _)| is_fixed(*cause));
+        let largest = fixed.map(|(_, errors)| errors.of(measure)).fold(0.0, f64::max);
+        if largest <= tolerance {
+            return self.main_causes(measure);
         }
+        let is_large = |errors: &Errors| errors.of(measure) > tolerance && errors.of(measure) >= 0.5 * largest;
+        self.parts.iter().filter(|(_, errors)| is_large(errors)).map(|(cause, _)| *cause).collect()
     }
 
-    /// Names of the causes whose error is at least a fifth of the largest one.
-    pub fn main_causes(&self, measure: Measure) -> Vec<&'static str> {
-        // If the error of the quantity is unknown for one cause, all causes are compared by the acceleration, as in the
-        // total.
+    /// The quantity by which causes are compared: if its error is unknown for one cause, the acceleration, as in the total.
+    fn known(&self, measure: Measure) -> Measure {
         let is_known = self.total().is_some_and(|total| !total.own(measure).is_nan());
-        let measure = if is_known { measure } else { Measure::Acceleration };
+        if is_known { measure } else { Measure::Acceleration }
+    }
+
+    /// Causes whose error is at least a fifth of the largest one.
+    pub fn main_causes(&self, measure: Measure) -> Vec<Cause> {
+        let measure = self.known(measure);
         self.main_causes_by(|errors| errors.of(measure))
     }
 
-    /// Names of the causes whose error of the acceleration over the whole history is at least a fifth of the largest
-    /// one.
-    pub fn main_causes_of_history(&self) -> Vec<&'static str> {
+    /// Causes whose error of the acceleration over the whole history is at least a fifth of the largest one.
+    pub fn main_causes_of_history(&self) -> Vec<Cause> {
         self.main_causes_by(|errors| errors.history)
     }
 
-    fn main_causes_by(&self, part: impl Fn(&Errors) -> f64) -> Vec<&'static str> {
+    fn main_causes_by(&self, part: impl Fn(&Errors) -> f64) -> Vec<Cause> {
         let largest = self.parts.iter().map(|(_, errors)| part(errors)).fold(0.0, f64::max);
         // (A NaN error is not known to be small.)
         let is_small = |errors: &Errors| part(errors) < MAIN_CAUSE * largest;
-        self.parts.iter().filter(|(_, errors)| !is_small(errors)).map(|(cause, _)| cause.name()).collect()
+        self.parts.iter().filter(|(_, errors)| !is_small(errors)).map(|(cause, _)| *cause).collect()
     }
 
-    /// Names of all causes of the error of a quantity. The local field is part of the stresses only.
+    /// Names of the causes of the estimated error of a quantity. The local field affects stresses only.
     pub fn causes(&self, measure: Measure) -> Vec<&'static str> {
-        let counts = |cause: Cause| cause != Cause::LocalField || measure == Measure::Stress;
+        let is_of_stress = self.known(measure) == Measure::Stress;
+        let counts = |cause: Cause| cause != Cause::LocalField || is_of_stress;
         self.parts.iter().filter(|(cause, _)| counts(*cause)).map(|(cause, _)| cause.name()).collect()
     }
 }
@@ -332,12 +335,12 @@ mod tests {
             ErrorEstimate::default().with(Cause::Basis, of_basis).with(Cause::Theory, errors(1e-3, 0.5))
         };
         let known = estimate(errors(2e-2, 3e-2));
-        assert_eq!(known.main_causes(Measure::Acceleration), ["basis"]);
-        assert_eq!(known.main_causes(Measure::Stress), ["theory"]);
-        assert_eq!(estimate(errors(2e-2, f64::NAN)).main_causes(Measure::Stress), ["basis"]);
+        assert_eq!(known.main_causes(Measure::Acceleration), [Cause::Basis]);
+        assert_eq!(known.main_causes(Measure::Stress), [Cause::Theory]);
+        assert_eq!(estimate(errors(2e-2, f64::NAN)).main_causes(Measure::Stress), [Cause::Basis]);
         // A NaN error is not known to be small.
         let unknown = estimate(errors(f64::NAN, 3e-2));
-        assert_eq!(unknown.main_causes(Measure::Acceleration), ["basis", "theory"]);
+        assert_eq!(unknown.main_causes(Measure::Acceleration), [Cause::Basis, Cause::Theory]);
         assert!(ErrorEstimate::default().main_causes(Measure::Acceleration).is_empty());
     }
 
@@ -346,8 +349,25 @@ mod tests {
         let estimate = ErrorEstimate::default()
             .with(Cause::Basis, Errors::throughout(9e-3))
             .with(Cause::Theory, Errors::throughout(1.1e-2));
-        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 1e-2), ["theory"]);
-        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 8e-3), ["basis", "theory"]);
-        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 2e-2), ["basis", "theory"]);
+        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 1e-2), [Cause::Theory]);
+        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 8e-3), [Cause::Basis, Cause::Theory]);
+        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 2e-2), [Cause::Basis, Cause::Theory]);
+    }
+
+    /// Finer cells do not help if the local field alone is above the tolerance. It has no error of the acceleration.
+    #[test]
+    fn a_local_field_above_the_tolerance_is_mended_first() {
+        let of_stress = |stress: f64| Errors { stress, ..Errors::throughout(8e-3) };
+        let local_field = Errors { stress: 1.2e-2, ..Errors::default() };
+        let estimate =
+            ErrorEstimate::default().with(Cause::Cells, of_stress(6e-3)).with(Cause::LocalField, local_field);
+        assert_eq!(estimate.causes_to_mend(Measure::Stress, 1e-2), [Cause::LocalField]);
+        assert_eq!(estimate.causes_to_mend(Measure::Stress, 1.3e-2), [Cause::Cells, Cause::LocalField]);
+        assert_eq!(estimate.causes_to_mend(Measure::Acceleration, 1e-2), [Cause::Cells]);
+        assert_eq!(estimate.causes(Measure::Stress), ["cells", "local field"]);
+        assert_eq!(estimate.causes(Measure::Acceleration), ["cells"]);
+        // Without an estimate of the tension the error is that of the acceleration.
+        let unknown = estimate.with(Cause::Basis, of_stress(f64::NAN));
+        assert_eq!(unknown.causes(Measure::Stress), ["cells", "basis"]);
     }
 }

@@ -16,10 +16,10 @@ use super::trials::{Trial, Trials};
 use super::watch::{Stage, Watch};
 use crate::body::{DirectSum, InfinitePlate, ModalBody};
 use crate::error::{Error, Result};
-use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, rest};
+use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
 use crate::scene::{Measure, Model, Scene};
-use crate::space::evaluate::Evaluator;
+use crate::space::evaluate::{Evaluator, TensionErrors};
 
 /// Size of the coarser cells relative to the others; and least and largest size of finer cells relative to the present
 /// ones.
@@ -59,8 +59,10 @@ pub struct Fitted {
 pub struct CellSize {
     /// Cell size relative to the rule of thumb.
     pub size: f64,
-    /// Estimated errors of the discretisation and of the local field.
+    /// Estimated errors of discretisation and averaging.
     pub error: Errors,
+    /// Estimated errors of the local field.
+    pub local_field: Errors,
     /// Numbers of vectors, of a smaller and a larger basis, with which a basis may begin to grow, if known.
     pub vectors: Option<[usize; 2]>,
 }
@@ -128,8 +130,9 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
     }
     let Fitted { size, error, evaluator, .. } =
         refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, of_other_bases(scene), watch)?;
-    let error = error.map(|error| with_local_field(scene, theory, evaluator.as_ref(), error));
-    Ok(CellSize { size, error: error.unwrap_or_default(), vectors: None })
+    let error = error.map_or_else(Errors::default, |error| with_averaging(evaluator.as_ref(), error));
+    let local_field = local_field_errors(scene, theory, evaluator.as_ref());
+    Ok(CellSize { size, error, local_field, vectors: None })
 }
 
 /// Reduces a body on its present cells. Collective.
@@ -229,15 +232,10 @@ fn allowed(scene: &Scene, others: Errors) -> f64 {
     }
 }
 
-/// Adds to the discretisation error that of averaging the stresses over cells. It is not used in choosing cells.
+/// Adds the error of averaging stresses over a disc to the discretisation error. The choice of the cell size ignores it.
 pub(super) fn with_averaging(evaluator: Option<&Evaluator>, error: Errors) -> Errors {
-    let of_averaging = evaluator.map_or(0.0, |evaluator| evaluator.tension_errors().of_averaging);
-    error.joined(Errors { stress: of_averaging, ..Errors::default() })
-}
-
-/// Joins all errors of a body on its cells, for bodies of sweeps.
-pub(super) fn with_local_field(scene: &Scene, theory: Model, evaluator: Option<&Evaluator>, error: Errors) -> Errors {
-    with_averaging(evaluator, error).joined(local_field_errors(scene, theory, evaluator))
+    let TensionErrors { of_cells, of_width, .. } = evaluator.map(Evaluator::tension_errors).unwrap_or_default();
+    error.joined(Errors { stress: joined(of_cells, of_width), ..Errors::default() })
 }
 
 /// Reduces a body to a basis. `size` is the size of its cells; `vectors` are numbers of vectors that were enough on

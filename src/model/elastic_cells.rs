@@ -11,9 +11,10 @@ use petsc_wrap::Comm;
 use super::cell_error::{ORDER, are_few};
 use super::cells::{
     CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, fitted, of_other_bases, on_cells_built,
-    on_coarser_cells, refine, unrefined, with_local_field,
+    on_coarser_cells, refine, unrefined, with_averaging,
 };
 use super::error_factors::ErrorFactors;
+use super::local_field_error::local_field_errors;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, larger};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::watch::Watch;
@@ -162,8 +163,9 @@ pub(super) fn cell_size(
     let found = found(comm, scene, theory, built, (None, allowed), watch)?;
     Ok(found.map(|found| {
         let vectors = Some(found.first_vectors(built, scene));
-        let error = with_local_field(scene, theory, built.evaluator.as_ref(), found.error);
-        CellSize { size: found.size, error, vectors }
+        let evaluator = built.evaluator.as_ref();
+        let error = with_averaging(evaluator, found.error);
+        CellSize { size: found.size, error, local_field: local_field_errors(scene, theory, evaluator), vectors }
     }))
 }
 

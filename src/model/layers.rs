@@ -93,7 +93,7 @@ pub(super) fn layered(
     let of_boundaries = mindlin_error_over_difference(&elastic) * difference;
     tracing::debug!(waves = of_waves.first_contact, boundaries = of_boundaries.first_contact, "error of the theory");
     let of_theory = of_waves + of_boundaries;
-    // This error of the tension counts in the choice of the theory only: the estimate has it as an error of the local field.
+    // Used only to choose the theory: the estimate already has it under `Cause::LocalField`.
     let of_delay = match scene.measure {
         Measure::Stress => delay_error(scene, Theory::Layerwise) - delay_error(scene, Theory::Solid),
         Measure::Acceleration | Measure::Deflection => 0.0,

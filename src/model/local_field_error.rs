@@ -2,39 +2,40 @@
 //!
 //! The error has three causes, none of which depends on the cell size:
 //!
-//! - **Delay.** The field follows the force without the travel time of waves. A solid computes the waves in its
-//!   interlayers, a layerwise plate does not.
-//! - **Edges.** The field of a plate is that of a plate without edges.
-//! - **Relaxation.** Viscoelastic layers have one secant modulus in the field, although it falls during the contact.
+//! - **Delay.** The static field responds to the force at once: the travel time of waves is neglected. A solid with a
+//!   narrow enough disc computes the waves in its interlayers; a layerwise plate does not.
+//! - **Edges.** The field of a plate is that of an infinite plate.
+//! - **Relaxation.** The field uses one secant modulus for each viscoelastic layer, although the modulus falls during the
+//!   contact.
 //!
-//! The factors were measured (docs/numerics.md, section on cells). It is an estimate, not a bound.
+//! The factors of the first two were measured (docs/numerics.md, section on cells). It is an estimate, not a bound.
 
 use crate::impact::{Errors, joined};
 use crate::scene::{Contact, Geometry, Model, Scene};
 use crate::space::evaluate::{Evaluator, TensionErrors};
 use crate::space::plate::ShearTravelTimes;
 
-/// Relative error of the tension by the delay, divided by the square of the travel time of a shear wave through the
-/// thickness, which is relative to the contact time on a half-space. With the pressure on a disc half as wide, which
-/// leaves more of the field to the body, the tension near its peak changed by 1.3 to 2 times that square.
+/// Relative error of the tension due to the delay, divided by (t/T)²: t is the travel time of a shear wave through the
+/// thickness, T the contact time on a half-space. With a disc half as wide, on which the body computes more of the field
+/// with its waves, the tension near its peak changed by 1.3 to 2 times (t/T)².
 const DELAY_FACTOR: f64 = 2.5;
 
-/// Travel time through the interlayers above which the error of a layerwise plate by the delay grows linearly, not
-/// quadratically: softer interlayers transmit less shear. It was fitted.
+/// t/T of the interlayers above which the error of a layerwise plate due to the delay grows linearly, not quadratically:
+/// softer interlayers transmit less shear. It was fitted.
 const LINEAR_DELAY_ABOVE: f64 = 0.04;
 
-/// Radius of a solid's disc, over the thickness of the stack, up to which it computes the waves in its interlayers. With
-/// a radius of 1 and 2, tensions next to interlayers differed by at most 0.3%.
+/// Largest radius of a solid's disc, over the thickness of the stack, with which the solid computes the waves in its
+/// interlayers. With a radius of 1 and 2, tensions next to interlayers differed by at most 0.3%.
 const WIDEST_DISC: f64 = 2.0;
 
 /// Errors of the local field; only the tension has one.
-pub(super) fn local_field_errors(scene: &Scene, theory: Model, evaluator: Option<&Evaluator>) -> Errors {
+pub fn local_field_errors(scene: &Scene, theory: Model, evaluator: Option<&Evaluator>) -> Errors {
     let TensionErrors { of_edges, of_relaxation, .. } = evaluator.map(Evaluator::tension_errors).unwrap_or_default();
     let stress = joined(joined(delay_error(scene, theory), of_edges), of_relaxation);
     Errors { stress, ..Errors::default() }
 }
 
-/// Relative error of the tension by the delay.
+/// Relative error of the tension due to the delay.
 pub(super) fn delay_error(scene: &Scene, theory: Model) -> f64 {
     let ShearTravelTimes { plies, interlayers } = ShearTravelTimes::of(scene);
     let is_computed = theory == Model::Solid && !has_wide_disc(scene);
@@ -42,8 +43,7 @@ pub(super) fn delay_error(scene: &Scene, theory: Model) -> f64 {
     DELAY_FACTOR * (plies + interlayers) * (plies + interlayers.min(LINEAR_DELAY_ABOVE))
 }
 
-/// Whether a solid's disc is wider than the widest one with which the waves in interlayers were compared. It is under soft
-/// outer layers, or if the scene gives a radius.
+/// Whether a solid's disc is wider than that: with the law of a sphere on layers, or by `contact.disc_radius`.
 fn has_wide_disc(scene: &Scene) -> bool {
     let given = if let Contact::Patch { disc, .. } = scene.contact { disc } else { None };
     let disc = scene.impactor.layered_contact().map(|layered| layered.disc).or(given);

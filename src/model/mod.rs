@@ -23,7 +23,7 @@ pub use error_factors::ErrorFactors;
 pub use judgement::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION};
 use judgement::{LARGEST_COST_FOR_DEFLECTIONS, cost};
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
-use local_field_error::local_field_errors;
+pub use local_field_error::local_field_errors;
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
 use reduce::is_moved_by_loads;

@@ -204,7 +204,7 @@ fn print_contact(scene: &Scene, footprint: Option<Footprint>) {
     let patch = footprint.and_then(Footprint::patch);
     let is_patch = |radius: f64| patch.is_some_and(|patch| patch.radius == radius);
     if let Some(radius) = footprint.and_then(Footprint::disc).filter(|radius| !is_patch(*radius)) {
-        say(format_args!("           the body carries the force on a disc of radius {} m", short(radius)));
+        say(format_args!("           force applied to the body over a disc of radius {} m", short(radius)));
     }
     let Some(patch) = patch else { return };
     let reason = match patch.reason {

@@ -159,7 +159,7 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
 /// Notes on a scene, with the distribution of its force and its time steps, if these are known. They are not errors, but
 /// they may affect the results.
 pub fn notes(scene: &Scene, footprint: Option<Footprint>, plan: Option<&Plan>) -> Vec<Remark> {
-    let mut notes: Vec<Remark> = footprint.and_then(|footprint| other_disc(scene, footprint)).into_iter().collect();
+    let mut notes: Vec<Remark> = footprint.and_then(|footprint| changed_disc(scene, footprint)).into_iter().collect();
     let patch = footprint.and_then(Footprint::patch);
     let mut add = |kind: &str, size: f64, text: String| notes.push(Remark::new(kind, size, text));
     let impactor = &scene.impactor;
@@ -309,21 +309,17 @@ pub fn notes(scene: &Scene, footprint: Option<Footprint>, plan: Option<&Plan>) -
     notes
 }
 
-/// Note on a disc with another radius than the scene gives.
-fn other_disc(scene: &Scene, footprint: Footprint) -> Option<Remark> {
-    let Contact::Patch { disc: Some(given), .. } = scene.contact else { return None };
-    let radius = footprint.disc().filter(|radius| (radius / given - 1.0).abs() > 1e-6)?;
-    let why = if radius > given {
-        "too small for this contact, whose stiffness would be negative"
-    } else {
-        "larger than the distance to the nearest edge"
+/// Note that the radius of the disc differs from `contact.disc_radius`.
+fn changed_disc(scene: &Scene, footprint: Footprint) -> Option<Remark> {
+    let Contact::Patch { disc: Some(given), radius: patch } = scene.contact else { return None };
+    let radius = footprint.disc().filter(|radius| (radius / given - 1.0).abs() > 1e-3)?;
+    let why = match patch {
+        _ if radius < given => "reaches beyond the nearest edge",
+        Some(patch) if radius == patch => "is smaller than contact.patch_radius",
+        _ => "would give the contact a negative stiffness",
     };
-    let text = format!(
-        "contact.disc_radius = {} is {why}: the body carries the force on a disc of radius {} m",
-        short(given),
-        short(radius)
-    );
-    Some(Remark::new("other disc", (radius / given - 1.0).abs(), text))
+    let text = format!("contact.disc_radius = {} m {why}; {} m is used instead", short(given), short(radius));
+    Some(Remark::new("changed disc", (radius / given - 1.0).abs(), text))
 }
 
 /// Distance of a temperature (°C) from the usual range of a material's shift, K, with the text of a note. `None` in or
@@ -376,18 +372,18 @@ mod tests {
         assert!(noted(0.397) && !noted(0.39) && !noted(0.0));
     }
 
-    /// A disc that is wider or narrower than the scene asks for is noted; one as given, or chosen, is not.
+    /// There is no note if the radius of the disc is as given, or if none is given.
     #[test]
-    fn another_disc_than_the_given_one_is_noted() {
+    fn a_changed_radius_of_the_disc_is_noted() {
         let noted = |given: &str, radius: f64| {
             let scene = Scene::parse("scene", PANE, &[given.to_owned()]).expect("a scene").0;
             let notes = notes(&scene, Some(Footprint::Disc { radius }), None);
-            notes.into_iter().find(|note| note.kind == "other disc").map(|note| note.text)
+            notes.into_iter().find(|note| note.kind == "changed disc").map(|note| note.text)
         };
         let wider = noted("contact.disc_radius=0.01", 0.02).expect("a note");
-        assert!(wider.contains("too small") && wider.contains("radius 0.0200 m"), "{wider}");
+        assert!(wider.contains("negative stiffness") && wider.contains("0.0200 m is used"), "{wider}");
         let narrower = noted("contact.disc_radius=0.3", 0.25).expect("a note");
-        assert!(narrower.contains("nearest edge") && narrower.contains("radius 0.2500 m"), "{narrower}");
+        assert!(narrower.contains("nearest edge") && narrower.contains("0.2500 m is used"), "{narrower}");
         assert_eq!(noted("contact.disc_radius=0.01", 0.01), None);
         assert_eq!(noted("output.stress=true", 0.02), None);
     }

@@ -50,11 +50,14 @@ const LARGEST_PHASE: f64 = 2.0;
 /// Energy that a law should store, over the energy of the impact.
 const ENOUGH_ENERGY: f64 = 2.0;
 
-/// Force that a law should reach, over the force Z v at which an infinite plate of the impedance Z moves as fast as the impactor: for
-/// a soft layer, whose law ends there, and for a stiff one, whose law is continued. Without echoes the force remains below Z v. A
-/// larger force needs a wider disc, and the static field under the disc lacks the waves there: on plies of 3 mm the force was 0.9 to
-/// 1.2% too large with a factor of 2, and 0.4 to 0.7% with 1.25.
-const ENOUGH_FORCE: [f64; 2] = [2.0, 1.25];
+/// Force that the law of a soft layer should reach, over the force Z v at which an infinite plate of the impedance Z moves as fast
+/// as the impactor. A run stops at the end of this law.
+const ENOUGH_FORCE_ON_SOFT: f64 = 2.0;
+
+/// The same for a stiff layer, whose law is continued. Until echoes from the edges return, the force remains below Z v. A larger
+/// ratio needs a wider disc, where the static field neglects waves: on plies of 3 mm the force was 0.9 to 1.2% too large with 2, and
+/// 0.4 to 0.7% with 1.25.
+const ENOUGH_FORCE_ON_STIFF: f64 = 1.25;
 
 /// Ratio by which the largest force of a law is raised for a stiff layer.
 const CONTINUED: f64 = 100.0;
@@ -131,8 +134,9 @@ pub(super) fn law(
         let energy = 0.5 * impactor.mass * impactor.speed.powi(2);
         let room = room[0].min(room[1]);
         let mut contact = SphereOnStack::new(&plate.stack, sphere, longest, energy);
+        let enough_force = if is_soft { ENOUGH_FORCE_ON_SOFT } else { ENOUGH_FORCE_ON_STIFF };
         let is_enough = |law: &ContactLaw| {
-            law.largest_force() >= ENOUGH_FORCE[usize::from(!is_soft)] * plate.impedance() * impactor.speed
+            law.largest_force() >= enough_force * plate.impedance() * impactor.speed
                 || law.capacity() >= ENOUGH_ENERGY * energy
         };
         let candidates = given_disc.map_or_else(|| plate.discs(is_soft), |disc| vec![disc]);
@@ -156,12 +160,12 @@ pub(super) fn law(
         if !is_soft && !is_enough(&contact.on_disc(disc)) {
             return Err(match given_disc {
                 Some(_) => {
-                    "on a disc of contact.disc_radius, the law of a sphere on the layers does not reach the peak force with a margin (a \
-                     larger radius may do; without the key, the radius is chosen)"
+                    "with this contact.disc_radius, the law of a sphere on the layers ends before the force that it should reach (increase \
+                     contact.disc_radius, or leave it out and a radius is chosen)"
                 }
                 None => {
-                    "no allowed radius of the disc lets the law of a sphere on the layers reach the peak force with a margin (the disc must \
-                     be small compared with the waves, and must not reach an edge; contact.disc_radius gives another radius)"
+                    "with each admissible radius of the disc, the law of a sphere on the layers ends before the force that it should reach \
+                     (the disc must be small compared with the waves, and must not reach an edge; contact.disc_radius gives another radius)"
                 }
             });
         }

@@ -246,7 +246,7 @@ impl Evaluator {
         FaceStresses::new(map, faces)
     }
 
-    /// Estimated error of the tension opposite the impact point due to the averaging; zero if no mean is used.
+    /// Estimated errors of the tension under the impact point by averaging and by the local field; zero if no mean is used.
     pub fn tension_errors(&self) -> TensionErrors {
         match (&self.kind, &self.near) {
             (Kind::Grid(_), Some(near)) => near.tension_errors(),

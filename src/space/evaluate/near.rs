@@ -6,7 +6,6 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use crate::form::{Material, Spread};
-use crate::impact::joined;
 use crate::scene::{Contact, Geometry, Impactor, LayeredContact, Scene, Vec3, faces};
 use crate::stack::{
     Carrier, Cylindrical, LEAST_DEPTH_OVER_CONTACT, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack,
@@ -114,8 +113,9 @@ type Reading = ([u64; 2], bool);
 pub struct NearHit {
     hit: Hit,
     stack: Stack,
-    /// The stack with the secant moduli of the whole contact, if layers relax.
-    relaxed: Option<Stack>,
+    /// The stack with the secant moduli at the contact time T on a half-space, in place of T/2; `None` if all layers are
+    /// elastic.
+    stack_at_end: Option<Stack>,
     /// Axis normal to the impacted face.
     pub struck: usize,
     point: Vec3,
@@ -151,11 +151,13 @@ pub struct LocalPoint {
     lost: [f64; 6],
 }
 
-/// Estimated errors of the tension opposite the impact point, relative to its peak.
+/// Estimated errors of the tension under the impact point, relative to its peak.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TensionErrors {
-    /// Error of averaging over a disc, due to the cells within it and to its width. It falls with the size of the cells.
-    pub of_averaging: f64,
+    /// Error of averaging over a disc, due to the cells within it.
+    pub of_cells: f64,
+    /// Error of averaging over a disc, due to its width.
+    pub of_width: f64,
     /// Error of a plate's local field, which is that of a plate without edges.
     pub of_edges: f64,
     /// Error of the local field because relaxing layers have one secant modulus in it.
@@ -222,7 +224,7 @@ impl NearHit {
         Some(Self {
             hit,
             stack,
-            relaxed: relaxed(scene, (struck, size[struck])),
+            stack_at_end: stack_at_end(scene, (struck, size[struck])),
             struck,
             point,
             edges,
@@ -272,26 +274,29 @@ impl NearHit {
         let (own, disc) = (self.hit.pressure.radius(), self.smoothing());
         let is_plate = matches!(self.hit.body, HitBody::OneLayer(Sections::Plate { .. }) | HitBody::Layerwise(_));
         let of_edge = |distance: f64| EDGE_ERROR * (self.thickness() / distance).powi(3);
-        let of_cells = MEAN_ERROR * (CELLS * self.hit.cell / disc).powf(ORDER_OF_MEAN);
-        let of_width = if own > 0.0 { WIDE_MEAN_ERROR * (disc / own).powi(2) } else { 0.0 };
         TensionErrors {
-            of_averaging: joined(of_cells, of_width),
+            of_cells: MEAN_ERROR * (CELLS * self.hit.cell / disc).powf(ORDER_OF_MEAN),
+            of_width: if own > 0.0 { WIDE_MEAN_ERROR * (disc / own).powi(2) } else { 0.0 },
             of_edges: if is_plate { self.edges.into_iter().map(of_edge).sum() } else { 0.0 },
             of_relaxation: *self.of_relaxation.get_or_init(|| self.relaxation_error()),
         }
     }
 
-    /// Change of the local tension on the lower face of the impacted layer, under the force, if relaxing layers have the
-    /// secant moduli of the whole contact in place of those of half of it; over F/h² with the thickness h of this layer,
-    /// which is about the tension there.
+    /// |σ(T) − σ(T/2)| h₁²/F. σ(t) is the local radial stress under the force F on the lower face of the layers above the
+    /// first one that relaxes, with the secant moduli at t; T is the contact time on a half-space. The total tension there
+    /// is about F/h₁², with the thickness h₁ of these layers. 0 if the impacted layer itself relaxes.
     fn relaxation_error(&self) -> f64 {
-        let Some(relaxed) = &self.relaxed else { return 0.0 };
-        let depth = self.stack.layers()[0].thickness;
+        let Some(at_end) = &self.stack_at_end else { return 0.0 };
+        let layers = self.stack.layers().iter().zip(at_end.layers());
+        let depth: f64 = layers.take_while(|(now, end)| now.young == end.young).map(|(layer, _)| layer.thickness).sum();
+        if depth == 0.0 {
+            return 0.0;
+        }
         let tension = |stack: &Stack| {
             let field = LocalField::on_axis(stack.clone(), self.carrier_of_means(stack), self.contact_radius);
             field.at(0.0, depth).stress(self.contact_radius).rr
         };
-        (tension(relaxed) - tension(&self.stack)).abs() * depth * depth
+        (tension(at_end) - tension(&self.stack)).abs() * depth * depth
     }
 
     /// Point on the other face opposite the impact point, m.
@@ -430,9 +435,9 @@ impl NearHit {
     }
 }
 
-/// Stack of the layers along an axis and their total thickness (m), from the impacted face, with the secant moduli of the
-/// whole contact; `None` if no layer relaxes.
-fn relaxed(scene: &Scene, (axis, thickness): (usize, f64)) -> Option<Stack> {
+/// Layers across an axis, from the impacted face, with the secant moduli at the contact time on a half-space; `None` if all
+/// are elastic. `thickness` is their total, m.
+fn stack_at_end(scene: &Scene, (axis, thickness): (usize, f64)) -> Option<Stack> {
     let mut layers = scene.body.composition.across(axis, thickness);
     if layers.iter().all(|(_, material)| material.shear.is_none()) {
         return None;

@@ -339,8 +339,8 @@ impl Kept {
     /// Takes the body from a model of a scene in modal coordinates. `of_theory` are the errors of the theory selected for
     /// all members.
     fn of(scene: &Scene, model: Model, of_theory: Errors) -> Result<Self> {
-        let of_cells = model.error.without(Cause::Basis).without(Cause::Theory).total().unwrap_or_default();
-        let of_model = of_theory.joined(of_cells);
+        let of_others = model.error.without(Cause::Basis).without(Cause::Theory).total().unwrap_or_default();
+        let of_model = of_theory.joined(of_others);
         let made_for = model.error.of(Cause::Basis);
         let made_for = made_for.map(|of_basis| MadeFor { scene: Box::new(scene.clone()), of_basis });
         let Model { theory, dynamics, judge, unknowns, gauges, is_moved_by_loads, may_lower_shift, .. } = model;

@@ -78,9 +78,10 @@ impl Family {
         let (mut size, mut of_cells) = (1.0_f64, Errors::default());
         for place in [0, last] {
             let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
-            let CellSize { size: own, error, .. } = cell_size(comm, &scene, scene.body.model, built, watch)?;
+            let CellSize { size: own, error, local_field, .. } =
+                cell_size(comm, &scene, scene.body.model, built, watch)?;
             size = size.min(own);
-            of_cells = of_cells.max(error);
+            of_cells = of_cells.max(error.joined(local_field));
         }
         let make = |place: usize| -> Result<Sample> {
             let Some((built, scene)) = operators(place, size)? else {

@@ -169,9 +169,10 @@ fn errors_of_tensions_next_to_slow_interlayers_are_estimated(session: &Session) 
     assert!(of_solid < 3e-2, "{of_solid:e}");
 }
 
-/// An interlayer that relaxes by three orders of magnitude, half of it within the contact. One secant modulus in the plate's
-/// local field changes the tension late in the contact by 2%: the solid's disc is narrower than the upper ply is thick, so that it computes nearly all
-/// of that field with its relaxation. The estimate contains this; that of the elastic interlayer of the same secant modulus does not.
+/// The interlayer relaxes by three orders of magnitude, half of this during the contact. One secant modulus in the local field
+/// changes the plate's tension late in the contact by 2%. The reference is a solid whose disc is narrower than the thickness of a
+/// ply: it computes nearly all of that field with its relaxation. The estimate of the plate contains the 2%; for an elastic
+/// interlayer of the same secant modulus it is smaller.
 fn errors_of_tensions_next_to_relaxing_interlayers_are_estimated(session: &Session) {
     let of = |model: &str, interlayer: &str, contact: &str| {
         let rest = format!("[accuracy]\ntolerance = 1e-2\n[strength]\ntension = 1e9\n{contact}");

@@ -20,7 +20,9 @@ use crate::body::{Interpolant, ModalBody, Response};
 use crate::error::Result;
 use crate::impact::{Errors, Readout};
 use crate::model::watch::Watch;
-use crate::model::{BASIS_SHARE, LARGE_ERROR_OF_DEFLECTION, is_quickly_reduced_again};
+use crate::model::{
+    BASIS_SHARE, LARGE_ERROR_OF_DEFLECTION, is_quickly_reduced_again, layerwise_evaluator, local_field_errors,
+};
 use crate::scene::{Initial, Load, Model, Scene};
 use crate::space::evaluate::{FaceInterpolation, WeightedFaces};
 use crate::space::plate::contact_wavelength;
@@ -35,6 +37,9 @@ const MAX_BODIES: usize = 65;
 /// Weights below which directions are left out of the basis, relative to the tolerance. They are tried in this order until
 /// the basis is accurate. The slower the contact, the fewer directions have large weights.
 const SMALLEST_WEIGHTS: [f64; 3] = [0.03, 0.01, 0.003];
+
+/// Number of values, equally spaced by their places, at which the error of the local field is estimated.
+const LOCAL_FIELDS: usize = 9;
 
 /// Share of the tolerance for the interpolation error.
 const INTERPOLATION_SHARE: f64 = 0.3;
@@ -84,7 +89,7 @@ struct Node {
 /// The basis that all bodies of an interpolation share, with its errors.
 pub struct Start {
     shared: SharedBasis,
-    /// Discretisation error.
+    /// Errors of discretisation, averaging and local field.
     of_cells: Errors,
     /// Error of the basis.
     of_basis: Errors,
@@ -148,6 +153,13 @@ impl Start {
         cells.size = asked.iter().fold(cells.size, |size, end| size.min(end.size));
         cells.vectors = asked.iter().filter_map(|end| end.vectors).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let scene = |place: usize| Ok::<_, crate::Error>(cells.on(scene_of(values[place])?));
+        // The error of the local field is the largest where layers relax within the contact: seldom at the ends.
+        let local_fields = spread(ranks, LOCAL_FIELDS, |k| {
+            let scene = scene(k * last / (LOCAL_FIELDS - 1))?;
+            let evaluator = scene.output.is_read().then(|| layerwise_evaluator(&scene, cells.size)).transpose()?;
+            Ok(local_field_errors(&scene, scene.body.model, evaluator.as_ref()))
+        })?;
+        let of_cells = of_cells.joined(local_fields.into_iter().fold(Errors::default(), Errors::max));
         let found = shared_basis(ranks, last, &cells, &scene, watch)?;
         Ok(found.map(|(shared, of_basis)| Self { shared, of_cells, of_basis }))
     }
