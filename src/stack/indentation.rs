@@ -143,17 +143,31 @@ impl<'a> SphereOnStack<'a> {
         ContactLaw { points: self.points(compliance), compliance }
     }
 
+    /// Forces (N), ascending, with the contact radius (m) at each, up to the first force of at least `end`, or up to where the
+    /// radius can no longer be computed. They do not depend on the disc, and go beyond the end of a law on a disc.
+    pub fn radii(&mut self, end: f64) -> Vec<[f64; 2]> {
+        let mut radii = vec![[0.0; 2]];
+        while let Some(State { radius, force, .. }) = self.state(radii.len() - 1) {
+            let [before, _] = radii[radii.len() - 1];
+            if before >= end || force <= before {
+                break;
+            }
+            radii.push([force, radius]);
+        }
+        radii
+    }
+
     /// Points of the law whose indentations are without `compliance` (m/N) times the force.
     fn points(&mut self, compliance: f64) -> Vec<ContactPoint> {
         let mut points = vec![ContactPoint::default()];
-        while let Some(State { radius, force, approach }) = self.state(points.len() - 1) {
+        while let Some(State { force, approach, .. }) = self.state(points.len() - 1) {
             let indentation = approach - compliance * force;
             let before = points[points.len() - 1];
             let (rise, width) = (force - before.force, indentation - before.indentation);
             if !(rise > 0.0 && width > 0.0 && rise * indentation < STEEPEST * force * width) {
                 break;
             }
-            points.push(ContactPoint { indentation, force, radius });
+            points.push(ContactPoint { indentation, force });
         }
         points
     }
@@ -215,8 +229,6 @@ pub struct ContactPoint {
     pub indentation: f64,
     /// Force, N.
     pub force: f64,
-    /// Contact radius a, m.
-    pub radius: f64,
 }
 
 #[cfg(test)]
@@ -250,6 +262,21 @@ mod tests {
             // The disc is 1.3 mm wide; g is 1e-5 of the compliance, and the cubics err by 1e-5.
             let error = found.force(indentation) / hertz.force(indentation) - 1.0;
             assert!(error.abs() < 5e-5, "{part}: {error:e}");
+        }
+    }
+
+    /// On a layer much thicker than the contact disc the contact radius is Hertz's, also beyond the end of a law on a disc.
+    #[test]
+    fn small_discs_have_hertzs_radius() {
+        let stack = stack(&[(0.2, 2.4e9, 0.23), (0.1, 70e9, 0.23)]);
+        let mut contact = SphereOnStack::new(&stack, SPHERE, 10.0, 1e-3);
+        let end = 100.0 * contact.on_disc(4e-3).largest_force();
+        let radii = contact.radii(end);
+        assert!(radii[radii.len() - 1][0] >= end, "{radii:?}");
+        for [force, radius] in radii.into_iter().skip(1).filter(|[_, radius]| *radius < 4e-3) {
+            // −a² g′ over 0.6/E* is below (a/h)³ for the thickness h.
+            let hertz = (0.75 * force * SPHERE.radius / SPHERE.modulus).cbrt();
+            assert!((radius / hertz - 1.0).abs() < 1e-4, "{force}: {radius} {hertz}");
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::impact::{Cause, ErrorEstimate, beside, estimated};
 use crate::model::{self, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, Model, ShortWaves};
 use crate::record::stress::LargestTension;
-use crate::scene::{Geometry, Measure, Model as Theory, Reduction, Scene};
+use crate::scene::{Contact, Geometry, Measure, Model as Theory, Reduction, Scene};
 use crate::space::spline;
 
 use super::{counted, listed};
@@ -253,6 +253,7 @@ fn remedy(cause: Cause, scene: &Scene, is_plate: bool) -> Option<&'static str> {
         Cause::Theory if is_plate => {
             Some("body.model = \"solid\" on a fine mesh by body.cells, whose error is not estimated")
         }
+        Cause::LocalField if gives_wide_disc(scene) => Some("a smaller contact.disc_radius"),
         // A solid computes the waves in interlayers.
         Cause::LocalField if is_plate && is_of_layers && spline::admits(scene).is_ok() => {
             Some("body.model = \"solid\"")
@@ -260,6 +261,13 @@ fn remedy(cause: Cause, scene: &Scene, is_plate: bool) -> Option<&'static str> {
         Cause::LocalField => None,
         Cause::Basis | Cause::Cells | Cause::Steps | Cause::Theory => Some("a smaller accuracy.tolerance"),
     }
+}
+
+/// Whether the scene gives a disc whose radius is larger than the thickness.
+fn gives_wide_disc(scene: &Scene) -> bool {
+    let Contact::Patch { disc: Some(radius), .. } = scene.contact else { return false };
+    let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return false };
+    radius > size[axis]
 }
 
 /// Reason for which the error of the largest tension of a run is not estimated.
@@ -401,6 +409,8 @@ mod tests {
         let solid = "what may lower it: body.model = \"solid\"";
         assert!(message(laminate("layerwise"), None).ends_with(solid));
         assert!(message(laminate("auto"), Some(4e-2)).ends_with(solid));
+        let with_disc = pane("[body]\nmodel = \"mindlin\"\n[contact]\ndisc_radius = 0.1\n");
+        assert!(message(with_disc, None).ends_with("what may lower it: a smaller contact.disc_radius"));
         for scene in [laminate("solid"), laminate("auto"), pane("[body]\nmodel = \"mindlin\"\n")] {
             let message = message(scene, None);
             assert!(message.ends_with("no setting lowers this estimate"), "{message}");

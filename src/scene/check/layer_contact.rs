@@ -169,11 +169,12 @@ pub(super) fn law(
                 }
             });
         }
-        let law = SphereOnStack::new(&stack, sphere, longest, energy).on_disc(disc);
+        let mut contact = SphereOnStack::new(&stack, sphere, longest, energy);
+        let law = contact.on_disc(disc);
         let ends_at_once = "the law of a sphere on the layers ends almost at once, as it does near an edge";
         let law = if is_soft { law } else { continued(law) };
         let force_law = table(&law).filter(|_| law.capacity() >= LEAST_ENERGY * energy).ok_or(ends_at_once)?;
-        let radii = law.points.iter().map(|point| [point.force, point.radius]).collect();
+        let radii = contact.radii(law.largest_force());
         Ok(LayeredContact { force_law, compliance: law.compliance, radii, disc })
     };
     law().map_or_else(LayerEffect::Untreated, |contact| LayerEffect::Law(Arc::new(contact)))
@@ -243,9 +244,7 @@ fn continued(mut law: ContactLaw) -> ContactLaw {
         let slope = (last.force - before.force) / (last.indentation - before.indentation);
         let force = CONTINUED * last.force;
         let indentation = last.indentation + (force - last.force) / slope;
-        // The contact radius as on a half-space.
-        let radius = last.radius * CONTINUED.cbrt();
-        law.points.push(ContactPoint { indentation, force, radius });
+        law.points.push(ContactPoint { indentation, force });
     }
     law
 }

@@ -108,6 +108,17 @@ pub(in crate::space) fn wavelength(section: &Section, period: f64) -> f64 {
     TAU / wavenumber.sqrt()
 }
 
+/// Product of the radius (m) of a disc and the wavenumber of flexural waves at the frequency π/T, with the duration T of the
+/// contact; `None` for a mesh file, or layers that are not hit across.
+pub fn phase(scene: &Scene, radius: f64) -> Option<f64> {
+    let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return None };
+    let section = match scene.body.composition.uniform() {
+        Some(material) => Section::new(size[axis], material),
+        None => super::laminate::whole_section(scene).ok()?,
+    };
+    Some(radius * TAU / wavelength(&section, 2.0 * contact_time(&section, &scene.impactor)))
+}
+
 /// Ratio of the time in which a shear wave crosses the thickness of a box to the duration of a contact with a
 /// half-space. The wave crosses all layers, with their moduli at t → 0. Infinite for a mesh file.
 pub fn crossing(scene: &Scene) -> f64 {

@@ -15,7 +15,7 @@ mod square;
 mod theory;
 mod waves;
 
-pub use cells::{LocalVibrations, ShearTravelTimes, crossing};
+pub use cells::{LocalVibrations, ShearTravelTimes, crossing, phase};
 pub(super) use cells::{contact_time, wavelength};
 pub use laminate::{FrequencyRatios, Laminate, contact_wavelength, frequency_ratios};
 pub use points::Points;

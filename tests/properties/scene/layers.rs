@@ -109,3 +109,29 @@ fn layers_alike_are_one() {
     let whole = Scene::parse("test", SMALL, &["body.size=[0.5, 0.5, 0.02086]".into()]).unwrap().0;
     assert_eq!(Description::new(&whole).parts, parts);
 }
+
+/// A stiff ply that is thin compared with the contact, on discs of two radii: the law of the narrower one ends at half the force
+/// of the other, but the contact radius depends on the force alone. (Continued as on a half-space, it was 8% too small at three
+/// times that force.)
+#[test]
+fn the_contact_radius_does_not_depend_on_the_disc() {
+    let contact = |disc: &str| {
+        let text = format!(
+            "[body]\nsize = [0.2, 0.2]\n\
+             [[body.layer]]\nthickness = 0.003\nmaterial = \"glass\"\n[[body.layer]]\nthickness = 0.00152\nmaterial = \"soft\"\n\
+             [[body.layer]]\nthickness = 0.008\nmaterial = \"glass\"\n\
+             [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
+             [material.soft]\nbulk = 2e9\nshear = 1e8\ndensity = 1100.0\n\
+             [impactor]\nmass = 20.0\nradius = 0.1\nyoung = 210e9\npoisson = 0.3\nspeed = 1.5\n[time]\nend = 1e-3\n{disc}"
+        );
+        let (scene, _) = Scene::parse("scene", &text, &[]).expect("a scene");
+        scene.impactor.layered_contact().expect("a law of the layers").clone()
+    };
+    let [narrow, wide] = ["", "[contact]\ndisc_radius = 0.03\n"].map(contact);
+    assert!(narrow.disc < 0.7 * wide.disc, "{} {}", narrow.disc, wide.disc);
+    for force in [1e2, 1e4, 2.5e4, 1e5] {
+        let [narrow, wide] = [&narrow, &wide].map(|contact| contact.radius(force));
+        // Rounding only.
+        assert!((narrow / wide - 1.0).abs() < 1e-9, "{force} N: {narrow} m, {wide} m");
+    }
+}

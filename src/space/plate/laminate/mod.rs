@@ -260,8 +260,16 @@ pub fn frequency_ratios(scene: &Scene) -> crate::error::Result<FrequencyRatios> 
 /// # Errors
 /// Same as [`frequency_ratios()`].
 pub fn contact_wavelength(scene: &Scene) -> crate::error::Result<f64> {
-    let section = of_scene(scene)?.0.section(scene);
+    let section = whole_section(scene)?;
     Ok(cells::wavelength(&section, cells::contact_time(&section, &scene.impactor)))
+}
+
+/// Section of all layers together as a thin plate.
+///
+/// # Errors
+/// Same as [`frequency_ratios()`].
+pub(super) fn whole_section(scene: &Scene) -> crate::error::Result<Section> {
+    Ok(of_scene(scene)?.0.section(scene))
 }
 
 /// Layers of a scene's plate without their local contact model, and the plate's geometry.
