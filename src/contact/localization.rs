@@ -19,6 +19,11 @@ pub struct Localization {
     pub footprint: Footprint,
 }
 
+/// Largest product of a disc's radius and the wavenumber of flexural waves at the frequency π/T, with which the field under the
+/// disc may be treated as static. T is the duration of the contact, under a stiff layer that of the rise of the force. On plastic
+/// and polyurethane the force was wrong by 0.3% at 2, and by 6% at 3.2; on a pane of 4/0.76/6 mm by 13% at 5.1.
+pub const LARGEST_PHASE: f64 = 2.0;
+
 /// Distribution of the contact force on the surface of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Footprint {

@@ -15,7 +15,7 @@ pub mod zener;
 pub use force_law::{ForceLaw, Power};
 pub use hertz::Hertz;
 pub use law::{Damped, Law};
-pub use localization::{Footprint, Localization};
+pub use localization::{Footprint, LARGEST_PHASE, Localization};
 pub use radius::{Patch, Reason};
 pub(crate) use radius::{limits, unit_compliance};
 pub use table::Table;

@@ -1,6 +1,6 @@
 //! Remarks on a scene: values that are probably a mistake, geometry, contact, time steps, and keys without effect.
 
-use crate::contact::{Footprint, ForceLaw, Patch, Reason};
+use crate::contact::{Footprint, ForceLaw, LARGEST_PHASE, Patch, Reason};
 use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model;
@@ -324,10 +324,6 @@ fn changed_disc(scene: &Scene, footprint: Footprint) -> Option<Remark> {
     let text = format!("contact.disc_radius = {} m {why}; {} m is used instead", short(given), short(radius));
     Some(Remark::new("changed disc", (radius / given - 1.0).abs(), text))
 }
-
-/// Largest product of the radius of a disc and the wavenumber of flexural waves: the force was wrong by 0.3% at 2, by 6% at
-/// 3.2, and by 13% at 5.
-const LARGEST_PHASE: f64 = 2.0;
 
 /// Note that the disc by `contact.disc_radius` is wide compared with the flexural waves of the contact.
 fn wide_disc(scene: &Scene, footprint: Footprint) -> Option<Remark> {

@@ -111,8 +111,8 @@ fn layers_alike_are_one() {
 }
 
 /// A stiff ply that is thin compared with the contact, on discs of two radii: the law of the narrower one ends at half the force
-/// of the other, but the contact radius depends on the force alone. (Continued as on a half-space, it was 8% too small at three
-/// times that force.)
+/// of the other, but the contact radius depends on the force alone. (With a radius continued as on a half-space, the tension
+/// under the upper ply was 18% too large at twice that force.)
 #[test]
 fn the_contact_radius_does_not_depend_on_the_disc() {
     let contact = |disc: &str| {
