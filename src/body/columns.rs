@@ -136,6 +136,20 @@ impl Columns {
         self.products(&self.one(vector.to_vec())).column(0).into_owned()
     }
 
+    /// Returns the inner products of vectors with few nonzero entries (rows) with all columns. Collective.
+    pub fn along_sparse(&self, vectors: &[Vec<f64>]) -> DMatrix<f64> {
+        let mut products = DMatrix::zeros(vectors.len(), self.count);
+        for (row, vector) in vectors.iter().enumerate() {
+            let entries: Vec<(usize, f64)> =
+                vector.iter().copied().enumerate().filter(|(_, value)| *value != 0.0).collect();
+            for (number, column) in self.iter().enumerate() {
+                products[(row, number)] = entries.iter().map(|(place, value)| value * column[*place]).sum();
+            }
+        }
+        self.sum(&mut products);
+        products
+    }
+
     /// Returns the inner product of the first columns of both sets. Collective.
     pub fn dot(&self, other: &Self) -> f64 {
         self.products_of(0..1, other)[(0, 0)]

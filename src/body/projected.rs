@@ -79,10 +79,7 @@ impl Projected {
         } else {
             basis.zeros(1)
         };
-        let mut hit_stress = DMatrix::zeros(properties.hit_stress.len(), basis.count());
-        for (mut row, form) in hit_stress.row_iter_mut().zip(&properties.hit_stress) {
-            row.tr_copy_from(&basis.along(form));
-        }
+        let hit_stress = basis.along_sparse(&properties.hit_stress);
         let mut projection = Projection {
             elastic: get(Operator::Elastic).unwrap_or_else(none),
             relaxations: relaxing.collect(),

@@ -48,10 +48,10 @@ pub struct System {
     pub compliance: f64,
     /// Distribution of the contact force on the surface.
     pub footprint: Footprint,
-    /// Stresses σ_a, σ_b and σ_ab, Pa, on the face opposite the impact point, along its axes, as linear forms. Empty if
-    /// they are not read.
+    /// Stresses σ_a, σ_b and σ_ab, Pa, along the axes of a face, as linear forms: on the face opposite the impact point, then
+    /// at other watched places. Empty if they are not read.
     pub hit_stress: Vec<Vec<f64>>,
-    /// Local stresses that these forms lack for a force of 1 N on the whole body, Pa.
+    /// Local stresses that the first three forms lack for a force of 1 N on the whole body, Pa.
     pub local_stress_per_newton: [f64; 3],
     /// Unknowns of a rigid unit translation along the impactor's direction.
     pub translation: Vec<f64>,

@@ -12,7 +12,7 @@ pub use part::{Part, Portion};
 pub use region::{Extent, Place, Region, region};
 
 use crate::form::Foundation;
-use crate::scene::{Scene, SupportKind, Vec3};
+use crate::scene::{Scene, SupportKind, Vec3, faces};
 
 /// Dimensionless stiffness k·w/E of the springs that replace a clamp on a part of a surface; w is the width of the part
 /// (the radius of a ball), k is per area. A rigid disc of radius r on a half-space has the compliance (1 − ν²)/(2 E r),
@@ -90,6 +90,21 @@ pub struct Traction {
 }
 
 impl Description {
+    /// The description of a plate across an axis, which is not compressed: the compliance (m³/N) of its thickness up to the
+    /// middle plane is in series with supports on its faces, 1/k' = 1/k + compliance.
+    #[must_use]
+    pub fn on_plate(mut self, axis: usize, compliance: f64) -> Self {
+        let is_on_face = |region: &Region| {
+            region.iter().any(|place| faces(&place.surface).iter().any(|(across, _)| *across == axis))
+        };
+        let springs = self.springs.iter_mut().map(|spring| (&spring.region, &mut spring.stiffness));
+        let pads = self.pads.iter_mut().map(|pad| (&pad.region, &mut pad.foundation.stiffness));
+        for (_, stiffness) in springs.chain(pads).filter(|(region, _)| is_on_face(region)) {
+            stiffness[axis] /= 1.0 + compliance * stiffness[axis];
+        }
+        self
+    }
+
     /// Description of the body, the supports and the loads of a scene.
     pub fn new(scene: &Scene) -> Self {
         let body = &scene.body;

@@ -69,8 +69,10 @@ pub struct Errors {
     pub first_contact: f64,
     /// Error of the acceleration over the whole time history.
     pub history: f64,
-    /// Error of the largest tension in the first contact; NaN if it is not estimated.
+    /// Error of the largest tension in the first contact, and in equilibrium before it; NaN if it is not estimated.
     pub stress: f64,
+    /// Error of the largest tension in the whole run; NaN if it is not estimated.
+    pub stress_history: f64,
     /// Error of the deflection under the impactor over the whole time history; NaN if it is not estimated.
     pub deflection: f64,
 }
@@ -78,7 +80,7 @@ pub struct Errors {
 impl Errors {
     /// Returns errors that are all equal to `error`.
     pub fn throughout(error: f64) -> Self {
-        Self { first_contact: error, history: error, stress: error, deflection: error }
+        Self { first_contact: error, history: error, stress: error, stress_history: error, deflection: error }
     }
 
     /// Error of the quantity that the tolerance applies to. For [`Measure::Deflection`] it is the larger error of the
@@ -108,6 +110,7 @@ impl Errors {
             first_contact: joined(self.first_contact, other.first_contact),
             history: joined(self.history, other.history),
             stress: joined(self.stress, other.stress),
+            stress_history: joined(self.stress_history, other.stress_history),
             deflection: joined(self.deflection, other.deflection),
         }
     }
@@ -120,6 +123,7 @@ impl Errors {
             first_contact: self.first_contact.min(other.first_contact),
             history: self.history.min(other.history),
             stress: least(self.stress, other.stress),
+            stress_history: least(self.stress_history, other.stress_history),
             deflection: least(self.deflection, other.deflection),
         }
     }
@@ -131,6 +135,7 @@ impl Errors {
             first_contact: self.first_contact.max(other.first_contact),
             history: self.history.max(other.history),
             stress: self.stress.max(other.stress),
+            stress_history: self.stress_history.max(other.stress_history),
             deflection: self.deflection.max(other.deflection),
         }
     }
@@ -160,6 +165,7 @@ impl ErrorRule {
             first_contact,
             history: if is_largest_later { factors.history * difference.history } else { first_contact },
             stress: factors.stress * difference.stress,
+            stress_history: factors.stress * difference.stress_history,
             deflection: factors.deflection * difference.deflection,
         };
         errors.joined(Errors::throughout(*least))
@@ -175,6 +181,7 @@ impl Add for Errors {
             first_contact: self.first_contact + other.first_contact,
             history: self.history + other.history,
             stress: self.stress + other.stress,
+            stress_history: self.stress_history + other.stress_history,
             deflection: self.deflection + other.deflection,
         }
     }
@@ -184,11 +191,12 @@ impl Mul<Errors> for f64 {
     type Output = Errors;
 
     fn mul(self, errors: Errors) -> Errors {
-        let Errors { first_contact, history, stress, deflection } = errors;
+        let Errors { first_contact, history, stress, stress_history, deflection } = errors;
         Errors {
             first_contact: self * first_contact,
             history: self * history,
             stress: self * stress,
+            stress_history: self * stress_history,
             deflection: self * deflection,
         }
     }
@@ -251,11 +259,12 @@ impl ErrorEstimate {
         self.parts.iter().map(|(_, errors)| *errors).reduce(Errors::joined)
     }
 
-    /// Error of the largest tension; NaN unless the error of the cells is among the causes. Without it, the others are no
+    /// Errors of the largest tension; NaN unless the error of the cells is among the causes. Without it, the others are no
     /// estimate: under the impact point the tension depends mostly on the cells.
-    pub fn of_tension(&self) -> f64 {
+    pub fn of_tension(&self) -> Errors {
         let has_cells = self.parts.iter().any(|(cause, _)| *cause == Cause::Cells);
-        self.total().filter(|_| has_cells).map_or(f64::NAN, |errors| errors.stress)
+        let unknown = Errors { stress: f64::NAN, stress_history: f64::NAN, ..Errors::default() };
+        self.total().filter(|_| has_cells).unwrap_or(unknown)
     }
 
     /// Error of the deflection under the impactor; NaN unless the error of the basis is among the causes.
@@ -329,6 +338,7 @@ mod tests {
             first_contact,
             history: first_contact,
             stress,
+            stress_history: stress,
             deflection: f64::NAN,
         };
         let estimate = |of_basis: Errors| {

@@ -58,6 +58,8 @@ pub struct Count {
     /// Estimated error of the largest tension in the first contact over its peak. It includes the interpolation error of the
     /// largest tension of the run, if tensions are interpolated between bodies.
     pub stress_error: Option<f64>,
+    /// Estimated error of the largest tension in the whole run over its peak.
+    pub stress_history_error: Option<f64>,
     /// Estimated error of the deflection under the impactor over its largest value.
     pub deflection_error: Option<f64>,
 }

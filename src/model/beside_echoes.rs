@@ -72,6 +72,7 @@ pub(super) fn reduce(
         first_contact: if is_laminate { LAMINATE_ERROR_OVER_DIFFERENCE } else { ERROR_OVER_DIFFERENCE },
         history: HISTORY_ERROR_OVER_DIFFERENCE,
         stress: TENSION_ERROR_OVER_DIFFERENCE,
+        stress_history: TENSION_ERROR_OVER_DIFFERENCE,
         deflection: HISTORY_ERROR_OVER_DIFFERENCE,
     };
     let rule = ErrorRule { factors, least: LEAST_ERROR };

@@ -7,7 +7,7 @@
 use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
 
-use super::cell_error::{Judge, ORDER, are_few, finer_size, is_unreliable};
+use super::cell_error::{Judge, are_few, finer_size, is_unreliable};
 use super::elastic_cells;
 use super::local_field_error::local_field_errors;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
@@ -20,11 +20,17 @@ use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
 use crate::scene::{Measure, Model, Scene};
 use crate::space::evaluate::{Evaluator, TensionErrors};
+use crate::space::parts::parts;
+use crate::space::{RUNG, rung_below};
 
 /// Size of the coarser cells relative to the others; and least and largest size of finer cells relative to the present
 /// ones.
 pub(super) const COARSER_CELL_FACTOR: f64 = 1.5;
-pub(super) const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, 0.85];
+pub(super) const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, RUNG];
+
+/// Order of convergence that is not exceeded. Cells of a size between the present and the next one would not be fine enough
+/// even with this order, so that a smaller tolerance never takes fewer cells.
+const LARGEST_ORDER: f64 = 6.0;
 
 /// Share of the tolerance for the estimated discretisation error. It may be more if steps, basis and theory need less.
 pub(super) const CELL_SHARE: f64 = 0.6;
@@ -174,9 +180,13 @@ pub fn refine(
             fine.error = Some(error);
             let wanted = allowed(scene, fine.reduced.error.joined(of_theory));
             let over = watch.agreed(error.of(scene.measure) / wanted);
-            finer = over.recip().powf(1.0 / ORDER).clamp(FINER_CELL_FACTORS[0], FINER_CELL_FACTORS[1]);
+            finer = rung_below(over.recip().powf(1.0 / LARGEST_ORDER)).clamp(FINER_CELL_FACTORS[0], RUNG);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
-            if over <= 1.0 || finer * fine.size < SMALLEST_CELL_FACTOR || cost > LARGEST_REFINED_COST {
+            if over <= 1.0
+                || scene.keeps_cells
+                || finer * fine.size < SMALLEST_CELL_FACTOR
+                || cost > LARGEST_REFINED_COST
+            {
                 return Ok(fine);
             }
         }
@@ -203,7 +213,7 @@ pub fn refine(
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
         fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
-        let is_few = is_unreliable(scene, theory, coarser.cells, cells);
+        let is_few = is_unreliable(scene, theory, coarser.cells, cells) || has_parts(scene);
         judge = match finer_size_if(is_few, scene, theory, &fine, watch) {
             Some(size) => match on_cells_of(comm, scene, theory, &fine, size, watch) {
                 Ok(judge) => judge.or(Some(coarser)),
@@ -235,7 +245,8 @@ fn allowed(scene: &Scene, others: Errors) -> f64 {
 /// Adds the error of averaging stresses over a disc to the discretisation error. The choice of the cell size ignores it.
 pub(super) fn with_averaging(evaluator: Option<&Evaluator>, error: Errors) -> Errors {
     let TensionErrors { of_cells, of_width, .. } = evaluator.map(Evaluator::tension_errors).unwrap_or_default();
-    error.joined(Errors { stress: joined(of_cells, of_width), ..Errors::default() })
+    let stress = joined(of_cells, of_width);
+    error.joined(Errors { stress, stress_history: stress, ..Errors::default() })
 }
 
 /// Reduces a body to a basis. `size` is the size of its cells; `vectors` are numbers of vectors that were enough on
@@ -257,13 +268,25 @@ pub(super) fn fitted(
     Ok(fitted)
 }
 
+/// Whether parts of faces carry supports or loads. Lines on their edges make the numbers of cells no measure of their sizes,
+/// by which a comparison with coarser cells is scaled; so such bodies are compared with finer cells.
+pub(super) fn has_parts(scene: &Scene) -> bool {
+    !parts(scene).is_empty()
+}
+
 /// The force on coarser cells, or on finer ones if a comparison with coarser cells would be unreliable; `None` if there
 /// are no other cells.
-fn judge_of(comm: &Comm, scene: &Scene, theory: Model, fitted: &Fitted, watch: &dyn Watch) -> Result<Option<Judge>> {
+pub(super) fn judge_of(
+    comm: &Comm,
+    scene: &Scene,
+    theory: Model,
+    fitted: &Fitted,
+    watch: &dyn Watch,
+) -> Result<Option<Judge>> {
     let coarser = cells_of_grid(scene, theory, COARSER_CELL_FACTOR * fitted.size);
     let is_few = fitted.cells.zip(coarser).is_some_and(|(cells, coarser)| match theory {
-        Model::Solid => is_unreliable(scene, theory, coarser, cells),
-        _ => are_few(cells, coarser),
+        Model::Solid => is_unreliable(scene, theory, coarser, cells) || has_parts(scene),
+        _ => are_few(cells, coarser) || has_parts(scene),
     });
     match finer_size_if(is_few, scene, theory, fitted, watch) {
         Some(size) => on_cells_of(comm, scene, theory, fitted, size, watch),

@@ -10,8 +10,8 @@ use petsc_wrap::Comm;
 
 use super::cell_error::{ORDER, are_few};
 use super::cells::{
-    CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, fitted, of_other_bases, on_cells_built,
-    on_coarser_cells, refine, unrefined, with_averaging,
+    CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, fitted, has_parts, judge_of, of_other_bases,
+    on_cells_built, on_coarser_cells, refine, unrefined, with_averaging,
 };
 use super::error_factors::ErrorFactors;
 use super::local_field_error::local_field_errors;
@@ -197,13 +197,15 @@ fn found(
         Some(coarser) => coarser.operators.cells,
         None => cells_of_grid(scene, theory, COARSER_CELL_FACTOR),
     };
-    if coarser_cells.is_none_or(|coarser| are_few(cells, coarser)) {
+    let has_parts = has_parts(scene);
+    if !has_parts && coarser_cells.is_none_or(|coarser| are_few(cells, coarser)) {
         return Ok(None);
     }
     let elastic = elastic(scene);
     let served = coarser.as_ref().map(|coarser| coarser.vectors);
     let fine = fitted(comm, &elastic, stand_in, (1.0, served), watch)?;
     let coarse = match coarser {
+        _ if has_parts => judge_of(comm, &elastic, theory, &fine, watch),
         Some(coarser) => on_cells_built(comm, &elastic, &fine, coarser.operators, watch),
         None => on_coarser_cells(comm, &elastic, theory, &fine, watch),
     };
@@ -217,12 +219,12 @@ fn found(
     let vectors = agreed(self::vectors(&fine.reduced, scene), watch);
     tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact = error.first_contact, "elastic cells");
     let over = watch.agreed(error.of(scene.measure) / allowed);
-    if over <= 1.0 {
+    if over <= 1.0 || scene.keeps_cells {
         return Ok(Some(Found { size: 1.0, error, vectors }));
     }
     let finer = over.recip().powf(ORDER.recip());
-    let mut size = finer.min(FINER_CELL_FACTORS[1]);
-    while finer >= FINER_CELL_FACTORS[0] && size >= FINER_CELL_FACTORS[0] {
+    let mut size = FINER_CELL_FACTORS[1];
+    while !has_parts && finer >= FINER_CELL_FACTORS[0] && size >= FINER_CELL_FACTORS[0] {
         // Numbers of cells are integers: sizes that give the same numbers are skipped.
         if let Some(finer) = cells_of_grid(scene, theory, size).filter(|finer| *finer != cells) {
             // Histories with different contacts do not follow an order of convergence.

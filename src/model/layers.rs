@@ -21,7 +21,7 @@ use super::elastic_cells::{self, Coarser};
 use super::local_field_error::delay_error;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::BASIS_SHARE;
-use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, compression_error, rougher};
+use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, bedding_error, rougher};
 use super::theory::build_thin;
 use super::trials::Trials;
 use super::watch::Watch;
@@ -152,5 +152,5 @@ pub(super) fn layered(
         Model::of(comm, &left, Theory::Layerwise, watch)?
     };
     let model = Model { tolerance: accepted, ..model };
-    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(compression_error(scene)))))
+    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(bedding_error(scene)))))
 }

@@ -114,11 +114,18 @@ impl Simulation {
     /// Estimated error by basis, discretisation, theory, time steps and patch, as far as each is known. Empty if only
     /// the error of the patch is known.
     pub fn error(&self) -> ErrorEstimate {
-        let Count { error, stress_error, deflection_error, .. } = self.count();
+        let Count { error, stress_error, stress_history_error, deflection_error, .. } = self.count();
         let error = match error {
             Some(history) if !self.is_moved_by_loads => {
-                let [stress, deflection] = [stress_error, deflection_error].map(|error| error.unwrap_or(f64::NAN));
-                self.of_model.clone().with(Cause::Steps, Errors { first_contact: 0.0, history, stress, deflection })
+                let known = |error: Option<f64>| error.unwrap_or(f64::NAN);
+                let of_steps = Errors {
+                    first_contact: 0.0,
+                    history,
+                    stress: known(stress_error),
+                    stress_history: known(stress_history_error),
+                    deflection: known(deflection_error),
+                };
+                self.of_model.clone().with(Cause::Steps, of_steps)
             }
             _ => self.of_model.clone(),
         };

@@ -256,13 +256,15 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Resul
 
 fn spline_settings(scene: &Scene, size: f64) -> spline::Settings {
     let mut settings = spline::Settings::new(scene.tolerance);
-    settings.cell_size_factor *= size;
+    settings.cell_size_factor *= size * scene.cell_factor;
+    settings.part_cell_factor *= size * scene.cell_factor;
     settings
 }
 
 fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate::Settings> {
     let mut settings = plate::Settings::new(scene.tolerance, theory);
-    settings.cell_size_factor *= size;
+    settings.cell_size_factor *= size * scene.cell_factor;
+    settings.part_cell_factor *= size * scene.cell_factor;
     if let Contact::Patch { disc: Some(disc), .. } = scene.contact {
         settings.disc_radius = Some(disc);
     }
@@ -334,8 +336,9 @@ fn of_grid(
 fn evaluator_of_grid(scene: &Scene, points: impl PointEvaluator + 'static, system: &mut System) -> Option<Evaluator> {
     let evaluator = scene.output.is_read().then(|| Evaluator::of_grid(scene, points));
     let read = evaluator.as_ref().filter(|_| scene.output.stress).and_then(|evaluator| evaluator.hit_stress(scene));
-    if let Some(read) = read {
-        (system.hit_stress, system.local_stress_per_newton) = read;
+    if let (Some((mut forms, local)), Some(evaluator)) = (read, &evaluator) {
+        forms.extend(evaluator.watched_stresses(scene));
+        (system.hit_stress, system.local_stress_per_newton) = (forms, local);
     }
     evaluator
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::form;
+use crate::form::{self, Lame};
 use crate::material::Material;
 
 /// Materials of a body, and the impacted one.
@@ -86,6 +86,19 @@ impl Composition {
                 layers.iter().map(|layer| (layer.thickness, layer.material.clone())).collect()
             }
             _ => vec![(length, Material::elastic(self.struck))],
+        }
+    }
+
+    /// Compliance across the thickness along an axis, m³/N: h/E of one layer with a total thickness (m), or the sum over
+    /// layers, each confined along its faces, of h/(K + 4G/3) with the long-term G.
+    pub fn compliance_across(&self, axis: usize, thickness: f64) -> f64 {
+        let confined = |(thickness, material): (f64, Material)| {
+            let Lame { lambda, mu } = material.relaxed();
+            thickness / (lambda + 2.0 * mu)
+        };
+        match self.uniform() {
+            Some(material) => thickness / material.young,
+            None => self.across(axis, thickness).into_iter().map(confined).sum(),
         }
     }
 

@@ -88,6 +88,11 @@ pub struct Scene {
     pub time: Time,
     /// Tolerance: error over its peak of the quantity in `measure`, in the first contact.
     pub tolerance: f64,
+    /// Factor on the size of all cells that are chosen automatically.
+    pub cell_factor: f64,
+    /// Whether cells are not refined by their estimated error. No scene file sets it; it is set where several runs share one
+    /// choice of cells.
+    pub keeps_cells: bool,
     /// Quantity to which the tolerance applies.
     pub measure: Measure,
     /// Whether the basis must also limit the estimated error of the deflection, although the tolerance does not apply to

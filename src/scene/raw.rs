@@ -314,6 +314,9 @@ pub(super) struct Accuracy {
     /// the whole run.
     #[schemars(extend("enum" = QUANTITIES))]
     pub quantity: Option<String>,
+    /// Factor on the size of all cells that are chosen automatically, 0.1 to 10; default 1. 0.5 halves them: a
+    /// convergence study.
+    pub cell_factor: Option<Number>,
 }
 
 /// `[strength]`

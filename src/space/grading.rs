@@ -12,6 +12,13 @@ pub struct Sizes {
     pub growth: f64,
 }
 
+impl Sizes {
+    /// Size at a distance from the impact point, m.
+    pub fn at(&self, distance: f64) -> f64 {
+        (self.growth * distance.abs()).max(self.hit).min(self.largest)
+    }
+}
+
 /// Part of an axis on one side of the impact point.
 #[derive(Debug, Clone, Copy)]
 pub struct Side {
@@ -67,6 +74,28 @@ impl Side {
         let (cells, all) = (self.cells(), self.count(self.length));
         (1..=cells as usize).map(|i| self.distance(all * i as f64 / cells)).collect()
     }
+}
+
+/// Number of intervals in which the size of the cells between two lines is sampled.
+const SAMPLES: usize = 400;
+
+/// Lines within an interval (m) that divide it into cells of a wanted size (m) as a function of the coordinate.
+pub fn divide([from, to]: [f64; 2], size: impl Fn(f64) -> f64) -> Vec<f64> {
+    let width = (to - from) / SAMPLES as f64;
+    // Number of cells up to the end of each interval.
+    let mut counts = vec![0.0];
+    for sample in 0..SAMPLES {
+        counts.push(counts[sample] + width / size(from + (sample as f64 + 0.5) * width));
+    }
+    let all = counts[SAMPLES];
+    let cells = (all * (1.0 - 1e-9)).ceil().max(1.0) as usize;
+    let line = |number: usize| {
+        let wanted = all * number as f64 / cells as f64;
+        let after = counts.partition_point(|count| *count < wanted).max(1);
+        let part = (wanted - counts[after - 1]) / (counts[after] - counts[after - 1]);
+        from + (after as f64 - 1.0 + part) * width
+    };
+    (1..cells).map(line).collect()
 }
 
 #[cfg(test)]

@@ -36,6 +36,11 @@ pub trait GridField {
     fn body_force(&self, parts: &[Part]) -> Vec<f64>;
 }
 
+/// Number of cells between lines (m), some of which may be repeated.
+pub fn count_cells(lines: &[f64]) -> usize {
+    lines.windows(2).filter(|pair| pair[0] < pair[1]).count()
+}
+
 /// A field as a space. Every rank holds the whole field.
 pub struct GridSpace<'a, F> {
     /// Discretised displacement.

@@ -12,6 +12,7 @@ mod grading;
 mod grid;
 mod loaded_face;
 mod parity;
+pub mod parts;
 pub mod plate;
 pub mod spline;
 mod terms;
@@ -23,6 +24,15 @@ use crate::error::Result;
 use crate::form::SurfaceElement;
 
 pub use terms::SurfaceTerms;
+
+/// Ratio of one size of cells to the next larger one. Cells are chosen among these sizes only, so that of two tolerances the
+/// smaller one never takes fewer cells.
+pub const RUNG: f64 = 0.85;
+
+/// The largest power of [`RUNG`] that is not above a factor.
+pub fn rung_below(factor: f64) -> f64 {
+    RUNG.powf((factor.ln() / RUNG.ln() - 1e-9).ceil())
+}
 
 /// Receives the values of an element with the global numbers of its n unknowns: n values of a vector, or n² values of a
 /// matrix by rows.

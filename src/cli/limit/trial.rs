@@ -134,7 +134,10 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     let first_end = contacts.all().first().map(|first| first.end);
     let is_outside = is_outside_first_contact(most.time, first_end);
     // The maximum ignores NaN if the error of the stress is not estimated.
-    let error = |errors: Errors| if is_outside { errors.history } else { errors.first_contact }.max(errors.stress);
+    let error = |errors: Errors| match is_outside {
+        true => errors.history.max(errors.stress_history),
+        false => errors.first_contact.max(errors.stress),
+    };
     most.error_estimate = impact.error().total().map_or(f64::NAN, error);
     warnings.extend(summary.warning());
     warnings.extend(summary.warning_of_end());

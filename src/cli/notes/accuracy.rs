@@ -140,7 +140,7 @@ pub fn remedy_of_tension(scene: &Scene) -> &'static str {
 /// Note on the tension if its estimated error is large, and the tolerance is smaller and applies to another quantity.
 /// If the largest tension has no estimate (`is_elsewhere`), the estimate is for the tension under the impact point.
 pub fn of_tension(estimate: &ErrorEstimate, scene: &Scene, is_elsewhere: bool) -> Option<String> {
-    let error = estimate.of_tension();
+    let error = estimate.of_tension().stress;
     let does_not_apply = scene.measure != Measure::Stress;
     (does_not_apply && error > LARGE_ERROR_OF_TENSION.max(scene.tolerance)).then(|| {
         let which = if is_elsewhere { "tension under the impact point" } else { "largest tension" };
@@ -160,7 +160,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     let Some(errors) = estimate.total() else { return Vec::new() };
     let (measure, tolerance) = (scene.measure, scene.tolerance);
     let mut missed = Vec::new();
-    let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().is_nan();
+    let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().stress.is_nan();
     let remedies_of_stress = || remedies(estimate, &estimate.causes_to_mend(measure, tolerance), scene);
     if measure == Measure::Stress && is_for_another_place {
         let (error, help) = if errors.stress > tolerance {
@@ -316,7 +316,13 @@ mod tests {
 
     #[test]
     fn a_tolerance_for_stresses_is_held_against_stresses() {
-        let errors = |history: f64, stress: f64| Errors { first_contact: 1e-3, history, stress, deflection: 1e-3 };
+        let errors = |history: f64, stress: f64| Errors {
+            first_contact: 1e-3,
+            history,
+            stress,
+            stress_history: stress,
+            deflection: 1e-3,
+        };
         let told = |errors: Errors, measure: Measure, was_warned: bool| {
             let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
             let largest = LargestTension { error_estimate: errors.stress, ..LargestTension::default() };
@@ -342,7 +348,8 @@ mod tests {
     #[test]
     fn a_large_error_of_the_tension_is_noted() {
         let estimate = |stress: f64| {
-            let errors = Errors { first_contact: 1e-3, history: 1e-3, stress, deflection: 1e-3 };
+            let errors =
+                Errors { first_contact: 1e-3, history: 1e-3, stress, stress_history: stress, deflection: 1e-3 };
             ErrorEstimate::default().with(Cause::Cells, errors)
         };
         let noted = |stress: f64, measure: Measure, tolerance: f64| {
@@ -364,7 +371,8 @@ mod tests {
     #[test]
     fn a_tolerance_for_stresses_is_for_what_is_estimated() {
         for (stress, is_above) in [(2e-2, true), (9e-3, false)] {
-            let errors = Errors { first_contact: 1e-3, history: 1e-3, stress, deflection: 1e-3 };
+            let errors =
+                Errors { first_contact: 1e-3, history: 1e-3, stress, stress_history: stress, deflection: 1e-3 };
             let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
             let scene = Scene { measure: Measure::Stress, ..pane("") };
             for was_warned in [true, false] {

@@ -59,7 +59,10 @@ impl Recorder {
         // If nothing was computed, existing fields are left as they are.
         let fields = self.recording.as_mut().filter(|_| is_complete || self.writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
-        let largest_tension = self.summary.largest_tension().with_error(end.estimate.of_tension(), scene);
+        let largest_tension = self.summary.largest_tension();
+        let first_end = episodes.all().first().map_or(f64::INFINITY, |first| first.end);
+        let error = largest_tension.error_of(&end.estimate.of_tension(), first_end);
+        let largest_tension = largest_tension.with_error(error, scene);
         self.writer.set_largest(largest_tension);
         // If the steps have failed, the caller reports that error: a full disk first fails the steps and then the end.
         self.writer.finish(end.cost, is_complete).and(recorded)?;

@@ -121,7 +121,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
     fn count_errors(&mut self, error: Errors) {
         self.count.error = Some(error.history);
-        self.count.stress_error = Some(error.stress).filter(|error| !error.is_nan());
+        let known = |error: f64| Some(error).filter(|error| !error.is_nan());
+        self.count.stress_error = known(error.stress);
+        self.count.stress_history_error = known(error.stress_history);
         self.count.deflection_error = Some(error.deflection).filter(|error| !error.is_nan());
     }
 
@@ -146,5 +148,6 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
 /// Errors of a run, as fractions of its difference from another run.
 fn errors(difference: Errors, of_force: f64, of_tension: f64) -> Errors {
-    Errors { stress: of_tension * difference.stress, ..of_force * difference }
+    let Errors { stress, stress_history, .. } = of_tension * difference;
+    Errors { stress, stress_history, ..of_force * difference }
 }

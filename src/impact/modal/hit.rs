@@ -1,9 +1,19 @@
-//! Tension on the face opposite the impact point, at every step; it serves to estimate the error of the stresses.
+//! Stresses that serve to estimate the error of the largest stress: opposite the impact point at every step, and at
+//! watched places.
+
+use nalgebra::DMatrix;
 
 use crate::body::Modes;
 use crate::form::stress::largest_in_plane;
 
 use super::motion::Motion;
+use super::trace::Trace;
+
+/// Number of steps whose stresses are computed together.
+const AT_ONCE: usize = 64;
+
+/// Least number of times in a run at which stresses at watched places are read.
+const READINGS: f64 = 400.0;
 
 /// Linear forms for the tension opposite the impact point. They are prepared once, because every step of every run
 /// evaluates them.
@@ -59,5 +69,92 @@ impl HitTension {
             let rest: f64 = others.iter().zip(of_others).map(|(w, x)| x * w).sum();
             moving + damped + rest + force * self.local[i]
         }))
+    }
+}
+
+/// Largest stresses at watched places ([`Evaluator::watched_stresses`](crate::space::evaluate::Evaluator::watched_stresses))
+/// over the times of a run.
+pub struct WatchedStresses {
+    /// Three rows for each place; one column for each of the values of a step.
+    rows: DMatrix<f64>,
+    has_damped_modes: bool,
+    /// Values of the steps that are not read yet, and whether each is in the first contact.
+    values: Vec<f64>,
+    is_first: Vec<bool>,
+    /// Time between two readings after the first contact, and the time of the last one, s.
+    interval: f64,
+    last: f64,
+}
+
+impl WatchedStresses {
+    /// Stresses of a body with these modes in a run up to `end` (s); `None` if it has no watched places.
+    pub fn new(modes: &Modes, end: f64) -> Option<Self> {
+        let (shapes, _) = modes.hit_stress.as_ref().filter(|(shapes, _)| shapes.moving.nrows() > 3)?;
+        let (count, watched) = (modes.forms.frequencies.len(), shapes.moving.nrows() - 3);
+        let moving = shapes.moving.rows(3, watched);
+        let mut blocks = match &modes.forms.damped {
+            Some([places, _]) => {
+                let stresses = places.times_from_left(&moving.into_owned());
+                vec![stresses.map(|z| z.re), stresses.map(|z| -z.im)]
+            }
+            None => {
+                let mut of_places = moving.into_owned();
+                for (mut column, frequency) in of_places.column_iter_mut().zip(&modes.forms.frequencies) {
+                    column /= *frequency;
+                }
+                vec![of_places.columns(0, count).into_owned()]
+            }
+        };
+        let has_damped_modes = blocks.len() > 1;
+        let [way, of_load] = &shapes.free;
+        blocks.extend(
+            [way, of_load, &shapes.residual, &shapes.rest]
+                .map(|column| DMatrix::from_column_slice(watched, 1, &column.as_slice()[3..])),
+        );
+        let columns = blocks.iter().map(DMatrix::ncols).sum();
+        let mut rows = DMatrix::zeros(watched, columns);
+        let mut first = 0;
+        for block in blocks {
+            rows.columns_mut(first, block.ncols()).copy_from(&block);
+            first += block.ncols();
+        }
+        let (values, is_first) = (Vec::new(), Vec::new());
+        Some(Self { rows, has_damped_modes, values, is_first, interval: end / READINGS, last: f64::NEG_INFINITY })
+    }
+
+    /// Reads a step, if one is due: each one in the first contact, fewer later.
+    pub fn read(&mut self, motion: &Motion, trace: &mut Trace) {
+        let (state, is_first) = (&motion.state, motion.state.time <= trace.first_end());
+        if !is_first && state.time < self.last + self.interval {
+            return;
+        }
+        self.last = state.time;
+        let others = [state.way, 0.5 * state.time * state.time, motion.force, state.settled];
+        let count = (self.rows.ncols() - others.len()) / if self.has_damped_modes { 2 } else { 1 };
+        if self.has_damped_modes {
+            self.values.extend(state.modes[..count].iter().map(|z| z.re));
+        }
+        self.values.extend(state.modes[..count].iter().map(|z| z.im));
+        self.values.extend(others);
+        self.is_first.push(is_first);
+        if self.is_first.len() == AT_ONCE {
+            self.finish(trace);
+        }
+    }
+
+    /// Passes the stresses of the steps that are left to the trace.
+    pub fn finish(&mut self, trace: &mut Trace) {
+        let values = DMatrix::from_column_slice(self.rows.ncols(), self.is_first.len(), &self.values);
+        let stresses = &self.rows * values;
+        for (stresses, is_first) in stresses.column_iter().zip(&self.is_first) {
+            // The stresses on the other face of a plate that bends are opposite.
+            let largest = |stress: &[f64]| {
+                let [a, b, ab] = [stress[0], stress[1], stress[2]];
+                largest_in_plane([a, b, ab]).max(largest_in_plane([-a, -b, -ab]))
+            };
+            trace.push_watched(stresses.as_slice().chunks_exact(3).map(largest), *is_first);
+        }
+        self.values.clear();
+        self.is_first.clear();
     }
 }

@@ -34,7 +34,7 @@ use super::step::Step;
 use super::{Count, ImpactParameters, Plan, TimeIntegration, joined};
 use crate::impact::step::at;
 pub use controlled::KnownForce;
-use hit::HitTension;
+use hit::{HitTension, WatchedStresses};
 use motion::Motion;
 pub use motion::Steps;
 use reading::{FacesOfSteps, FacesReading};
@@ -285,6 +285,10 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             surface + modes.residual * motion.force + motion.state.settled * modes.rest
         };
         done.trace.push_deflection(0.0, deflection(&motion), 0.0);
+        let mut watched = WatchedStresses::new(&modes, self.end);
+        if let Some(watched) = &mut watched {
+            watched.read(&motion, &mut done.trace);
+        }
         let mut number = 0;
         // A remaining time within rounding of the end counts as zero.
         while self.end - motion.state.time > 1e-12 * self.end {
@@ -309,10 +313,16 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             if let Some(tension) = of_hit.as_ref().filter(|_| time <= done.trace.needs_tension_until()) {
                 done.trace.push_tension(time, tension.at(&motion));
             }
+            if let Some(watched) = &mut watched {
+                watched.read(&motion, &mut done.trace);
+            }
             if let Some(recorder) = &mut recorder {
                 recorder.account(&taken, &motion, before);
                 recorder.record(number, &motion);
             }
+        }
+        if let Some(watched) = &mut watched {
+            watched.finish(&mut done.trace);
         }
         self.count.solves += motion.solves;
         self.count.iterations += motion.iterations;

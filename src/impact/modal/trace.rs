@@ -7,6 +7,9 @@ use crate::scheme::modal::quadratic;
 /// that do not change their peaks.
 const NEAR_PEAK: f64 = 0.9;
 
+/// Part of the largest stress from which a stress at a watched place counts.
+const NEAR_LARGEST: f64 = 0.7;
+
 /// Number of neighbouring values through which a cubic polynomial interpolates the deflection.
 const INTERPOLATED: usize = 4;
 
@@ -23,6 +26,8 @@ pub struct Trace {
     steps: Vec<(f64, f64, [f64; 3])>,
     /// Time (s) and tension on the face opposite the impact point (Pa), if it is read.
     tension: Vec<(f64, f64)>,
+    /// Largest stress at each watched place, Pa: in the first contact, and in the whole run. Empty if they are not read.
+    watched: [Vec<f64>; 2],
     /// Time (s) and displacement of the surface under the impactor (m) at the ends of the steps, if it is read.
     deflection: Vec<(f64, f64)>,
     /// Largest distance that the impactor has moved, m.
@@ -51,6 +56,17 @@ impl Trace {
     /// Adds a tension (Pa) at a time (s).
     pub fn push_tension(&mut self, time: f64, tension: f64) {
         self.tension.push((time, tension));
+    }
+
+    /// Adds the stresses at watched places at a time (Pa).
+    pub fn push_watched(&mut self, stresses: impl Iterator<Item = f64> + Clone, is_in_first_contact: bool) {
+        for largest in &mut self.watched[if is_in_first_contact { 0 } else { 1 }..] {
+            if largest.is_empty() {
+                largest.extend(stresses.clone());
+            } else {
+                largest.iter_mut().zip(stresses.clone()).for_each(|(largest, stress)| *largest = largest.max(stress));
+            }
+        }
     }
 
     /// Adds the displacements of the surface under the impactor and of the impactor (m) at the end of a step (s). A step
@@ -86,16 +102,32 @@ impl Trace {
         self.end.unwrap_or(f64::INFINITY)
     }
 
-    /// Largest difference in tension to another trace in the first contact, relative to the peak. Only times at which
-    /// one of the two is near its own peak count. The result is never less than the difference of the two peaks. NaN if
-    /// a trace has no tension.
-    fn difference_of_tension(&self, other: &Self) -> f64 {
+    /// Largest differences in stress to another trace, relative to the largest stress at the hit and the watched places: in
+    /// the first contact, and in the whole run. NaN if a trace has no stresses.
+    fn differences_of_stress(&self, other: &Self) -> [f64; 2] {
+        let (of_hit, at_hit) = self.difference_of_tension(other);
+        let mut largest = 0.0_f64;
+        [0, 1].map(|span| {
+            let (own, others) = (&self.watched[span], &other.watched[span]);
+            let most = own.iter().copied().fold(at_hit, f64::max);
+            let counts = |(one, another): &(&f64, &f64)| one.max(**another) >= NEAR_LARGEST * most;
+            let off = own.iter().zip(others).filter(counts).map(|(one, another)| (one - another).abs() / most);
+            // (A missing difference at the hit is NaN, and a maximum would drop it.)
+            largest = if of_hit.is_nan() { f64::NAN } else { off.fold(largest.max(of_hit * at_hit / most), f64::max) };
+            largest
+        })
+    }
+
+    /// Largest difference in tension opposite the impact point to another trace in the first contact, relative to its
+    /// peak; and the peak, Pa. Only times at which one of the two is near its own peak count. The difference is never less
+    /// than that of the two peaks. NaN if a trace has no tension.
+    fn difference_of_tension(&self, other: &Self) -> (f64, f64) {
         let end = self.first_end().max(other.first_end());
         let within = |trace: &Self| trace.tension.iter().filter(|(time, _)| *time <= end).copied().collect::<Vec<_>>();
         let (own, others) = (within(self), within(other));
         let is_unknown = |all: &[(f64, f64)]| all.is_empty() || all.iter().any(|(_, tension)| tension.is_nan());
         if is_unknown(&own) || is_unknown(&others) {
-            return f64::NAN;
+            return (f64::NAN, f64::NAN);
         }
         let peak = |all: &[(f64, f64)]| all.iter().map(|(_, tension)| *tension).fold(f64::MIN_POSITIVE, f64::max);
         let (most, others_most) = (peak(&own), peak(&others));
@@ -105,7 +137,7 @@ impl Trace {
         let of_own: Vec<(f64, f64)> = of_own.collect();
         let of_others = others.iter().map(|(time, tension)| (in_own.tension(self, *time), *tension));
         let near_peak = of_own.into_iter().chain(of_others).filter(|(one, another)| is_near_peak(*one, *another));
-        near_peak.map(|(one, another)| (one - another).abs() / most).fold(0.0, f64::max)
+        (near_peak.map(|(one, another)| (one - another).abs() / most).fold(0.0, f64::max), most)
     }
 
     /// Largest difference in deflection from another trace, relative to the largest deflection of this one. NaN if a
@@ -128,8 +160,10 @@ impl Trace {
     /// Largest difference to another trace, relative to the peak of this one, at the middles and ends of the steps of
     /// both.
     pub fn difference(&self, other: &Self) -> Errors {
+        let [stress, stress_history] = self.differences_of_stress(other);
         Errors {
-            stress: self.difference_of_tension(other),
+            stress,
+            stress_history,
             deflection: self.difference_of_deflection(other),
             ..self.off_at_steps_of(self, other).max(self.off_at_steps_of(other, self))
         }
@@ -139,8 +173,10 @@ impl Trace {
     /// ends of the longer steps. There the longer steps satisfy the contact law; between these points their quadratics
     /// have larger errors.
     pub fn difference_at_steps(&self, longer: &Self) -> Errors {
+        let [stress, stress_history] = self.differences_of_stress(longer);
         Errors {
-            stress: self.difference_of_tension(longer),
+            stress,
+            stress_history,
             deflection: self.difference_of_deflection(longer),
             ..self.off_at_steps_of(longer, self)
         }

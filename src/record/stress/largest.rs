@@ -5,6 +5,7 @@ use hdf5_metno::types::VarLenUnicode;
 use serde::Serialize;
 
 use crate::error::Result;
+use crate::impact::Errors;
 use crate::impact::checkpoint::Visitor;
 use crate::record::provenance::{text, write_scalar, write_text};
 use crate::scene::{Scene, Vec3};
@@ -64,6 +65,12 @@ impl LargestTension {
     pub fn with_error(self, error: f64, scene: &Scene) -> Self {
         let is_estimated = scene.hit_near_clamped_edge().is_none() && !scene.is_at_clamped_edge(self.point);
         Self { error_estimate: if is_estimated { error } else { f64::NAN }, ..self }
+    }
+
+    /// The estimated error that applies to the largest tension: that of the first contact, which ends at a time (s), or that
+    /// of the whole run.
+    pub fn error_of(&self, errors: &Errors, first_end: f64) -> f64 {
+        if self.time <= first_end { errors.stress } else { errors.stress_history }
     }
 
     /// Includes the tensions (by face) at a step; `strengths` has the strength of each face, Pa.

@@ -99,6 +99,8 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         load,
         time,
         tolerance: tolerance(source, &raw.accuracy)?,
+        cell_factor: cell_factor(source, &raw.accuracy)?,
+        keeps_cells: false,
         measure: strength::measure(source, &raw)?,
         limits_deflection_error: false,
         strength,
@@ -116,6 +118,17 @@ fn tolerance(source: &Source, raw: &raw::Accuracy) -> Result<f64, SceneError> {
     }
     let help = "from 1e-6 to 0.5: the error of the acceleration history over its peak";
     Err(source.error(path, format!("{} is out of range", numbers::show(tolerance)), help))
+}
+
+fn cell_factor(source: &Source, raw: &raw::Accuracy) -> Result<f64, SceneError> {
+    let path = "accuracy.cell_factor";
+    let Number(factor) = raw.cell_factor.unwrap_or(Number(1.0));
+    source.finite(path, &[factor])?;
+    if (0.1..=10.0).contains(&factor) {
+        return Ok(factor);
+    }
+    let help = "from 0.1 to 10: 0.5 halves the size of all cells that are chosen automatically";
+    Err(source.error(path, format!("{} is out of range", numbers::show(factor)), help))
 }
 
 fn solver(source: &Source, raw: &raw::Solver) -> Result<Solver, SceneError> {

@@ -15,9 +15,9 @@ use petsc_wrap::Int;
 
 use crate::form::stress::{largest_in_plane, largest_principal, place, with_shear};
 use crate::mesh::Whole;
-use crate::scene::Vec3;
 use crate::scene::face_names;
 use crate::scene::faces::name as surface_name;
+use crate::scene::{Geometry, Scene, Vec3};
 
 use super::search::{Screen, StressRows};
 use super::stress_map::Recovered;
@@ -215,6 +215,20 @@ fn levels(ends: &[f64], is_hit_from_above: bool) -> Vec<Level> {
     let mut levels: Vec<Level> = named.map(level).collect();
     levels.reverse();
     levels
+}
+
+/// Coordinates (m) along the impact axis at which the faces of a scene's stiff layers are evaluated. On a body that
+/// `bends_alone`, those of one half: the stresses on the others are opposite.
+pub(super) fn heights_of_stiff_layers(scene: &Scene, bends_alone: bool) -> Vec<f64> {
+    let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
+        return Vec::new();
+    };
+    let (layers, soft) = (scene.hit_layers(), scene.soft_layers());
+    let outer = [-0.5 * size[struck], 0.5 * size[struck]];
+    let levels = levels(if layers.is_empty() { &outer } else { &layers }, scene.impactor.point[struck] > 0.0);
+    let count = if bends_alone { levels.len() / 2 } else { levels.len() };
+    let is_stiff = |level: &Level| soft.get(level.layer).is_none_or(|is_soft| !is_soft);
+    levels.into_iter().take(count).filter(is_stiff).map(|level| level.read_at).collect()
 }
 
 /// How the stresses at a point of a face are evaluated.

@@ -36,6 +36,7 @@ use crate::scene::faces::along;
 use crate::scene::{Scene, Symmetry, Vec3};
 
 use super::finite_element::Nodes;
+use super::parts::watched_places;
 use faces::{BoxFaces, SampledFace, WITHIN};
 use smoothed::smoothed;
 use stress_map::Recovered;
@@ -274,6 +275,30 @@ impl Evaluator {
         };
         let components = [a, b, place(a, b)];
         Some((components.map(dense).to_vec(), components.map(|component| local[component])))
+    }
+
+    /// Stresses at watched places ([`watched_places`]) on the faces of a box, or of its stiff layers: for each place and face
+    /// σ_a, σ_b and σ_ab along its axes, as forms on all unknowns. Faces with opposite stresses are there once.
+    pub fn watched_stresses(&self, scene: &Scene) -> Vec<Vec<f64>> {
+        let (Kind::Grid(points), Some(near), Some(struck)) = (&self.kind, &self.near, scene.struck_axis()) else {
+            return Vec::new();
+        };
+        let heights = faces::heights_of_stiff_layers(scene, points.bends_alone());
+        let [a, b] = along(struck);
+        let mut forms = Vec::new();
+        for [x, y] in watched_places(scene, &self.mirrors, 2.0 * near.width()) {
+            for height in &heights {
+                let mut point = [*height; 3];
+                (point[a], point[b]) = (x, y);
+                let stress = points.face_stress(point);
+                for component in [a, b, place(a, b)] {
+                    let mut form = vec![0.0; points.unknowns()];
+                    stress[component].iter().for_each(|(unknown, value)| form[*unknown] += value);
+                    forms.push(form);
+                }
+            }
+        }
+        forms
     }
 
     /// Forms at a point (m); `None` outside a mesh. Splines are extrapolated beyond their ends. At an interface between

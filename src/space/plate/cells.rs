@@ -11,6 +11,7 @@ use crate::scene::{Geometry, Impactor, Scene};
 use super::Settings;
 use super::geometry::PlateGeometry;
 use crate::space::grading::{Side, Sizes};
+use crate::space::parts::{self, Part};
 use crate::stack::interlayers;
 
 /// Cell size divided by the distance from the impact point, between the smallest and the largest cells.
@@ -37,14 +38,14 @@ const MIN_CELLS: f64 = 7.0;
 const MAX_CELLS: f64 = 100.0;
 
 /// Lines of the grid along both axes of the modelled part. The cells are small at the loaded disc of radius `disc` (m),
-/// or at the loaded point if it is `None`, and larger elsewhere for waves of the length `wave` (m).
+/// or at the loaded point if it is `None`, at `parts` of the faces, and larger elsewhere for waves of the length `wave` (m).
 ///
 /// # Errors
 /// The number of cells along an edge, if the system would not be small.
 pub(super) fn lines(
     geometry: &PlateGeometry,
     section: &Section,
-    wave: f64,
+    (wave, parts): (f64, &[Part]),
     disc: Option<f64>,
     settings: &Settings,
 ) -> Result<[Vec<f64>; 2], f64> {
@@ -60,6 +61,12 @@ pub(super) fn lines(
         // Splines that are smooth across the impact point resolve it half as well as splines that end there.
         let at_hit = cell_size_factor * if hit == low { at_hit } else { 0.5 * at_hit };
         let sizes = Sizes { hit: at_hit, largest, growth: cell_size_factor * CELL_GROWTH };
+        let edges = parts::edges(parts, geometry.axes[axis], geometry.halved[axis], [low, high]);
+        if !edges.is_empty() {
+            let size = |x: f64| sizes.at(x - hit);
+            let lines = parts::lines([low, high], (hit, 1), &edges, settings.part_cell_factor, size);
+            return if lines.len() as f64 <= MAX_CELLS { Ok(lines) } else { Err(lines.len() as f64) };
+        }
         let sides = [hit - low, high - hit].map(|length| Side { length, sizes });
         let cells = sides.iter().map(Side::cells).sum::<f64>();
         if !(largest > 0.0 && cells <= MAX_CELLS) {

@@ -30,9 +30,10 @@ use std::rc::Rc;
 
 use nalgebra_sparse::CsrMatrix;
 
-use super::SurfaceTerms;
-use super::grid::GridSpace;
+use super::grid::{GridSpace, count_cells};
 use super::parity::repeated;
+use super::parts;
+use super::{SurfaceTerms, rung_below};
 use crate::body::{Operator, System};
 use crate::contact::Footprint;
 use crate::description::Description;
@@ -47,6 +48,8 @@ use crate::scene::{Fault, Scene};
 pub struct Settings {
     /// Factor on the size of all cells; 1 is the default size.
     pub cell_size_factor: f64,
+    /// Factor on the size of the cells at parts of faces with supports or loads.
+    pub part_cell_factor: f64,
     /// Additional factor on the size of the largest cells alone.
     pub largest_cell_factor: f64,
     /// Whether short waves of several layers may be treated separately, for which [`InfinitePlate`] is computed. It is
@@ -74,14 +77,21 @@ fn shear_factor(poisson: f64) -> f64 {
     5.0 / (6.0 - poisson)
 }
 
+/// Factor on the size of all cells at the default tolerance.
+const OF_DEFAULT_TOLERANCE: f64 = 1.2;
+
 impl Settings {
     /// Settings with a cell size for an error of less than half of a tolerance, as measured on plates.
     pub fn new(tolerance: f64, theory: PlateTheory) -> Self {
         let parts = tolerance / 1e-2;
-        let of_mindlin = 1.2 * if parts > 1.0 { parts.cbrt() } else { parts.powf(0.25) };
+        let factor = rung_below(if parts > 1.0 { parts.cbrt() } else { parts.powf(0.25) });
         // Kirchhoff's theory has no shear: its deflection w is smoother than the load, so larger cells suffice.
-        let cell_size_factor = if theory == PlateTheory::Kirchhoff { 1.4 * of_mindlin } else { of_mindlin };
-        Self { cell_size_factor: cell_size_factor.clamp(0.3, 2.4), ..Self::default() }
+        let cell_size_factor = OF_DEFAULT_TOLERANCE * factor * if theory == PlateTheory::Kirchhoff { 1.4 } else { 1.0 };
+        Self {
+            cell_size_factor: cell_size_factor.clamp(0.3, 2.4),
+            part_cell_factor: factor.min(1.0),
+            ..Self::default()
+        }
     }
 
     /// Radius of the disc divided by a thickness (m), if the disc fits within the plate.
@@ -94,6 +104,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             cell_size_factor: 1.0,
+            part_cell_factor: 1.0,
             largest_cell_factor: 1.0,
             separates_short_waves: false,
             has_echoes_in_closed_form: false,
@@ -225,7 +236,7 @@ impl Outline {
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
         let own_wave = || wavelength(&section, contact_time(&section, &scene.impactor));
         let wave = scene.body.wavelength.filter(|_| laminate.is_some()).unwrap_or_else(own_wave);
-        let in_plane = cells::lines(&geometry, &section, wave, disc, settings)
+        let in_plane = cells::lines(&geometry, &section, (wave, &parts::parts(scene)), disc, settings)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         Ok(Self { geometry, laminate, section, local, in_plane })
     }
@@ -253,7 +264,7 @@ impl Plate {
     /// Same as [`Plate::new`].
     pub fn cells(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<[usize; 2]> {
         let outline = Outline::new(scene, &Description::new(scene), theory, settings)?;
-        Ok(outline.in_plane.each_ref().map(|lines| lines.len() - 1))
+        Ok(outline.in_plane.each_ref().map(|lines| count_cells(lines)))
     }
 
     /// Evaluator of the displacements and stresses of a scene's plate, without its matrices.
@@ -284,7 +295,10 @@ impl Plate {
     fn with_storage(scene: &Scene, theory: PlateTheory, settings: &Settings, storage: Storage) -> Result<Self> {
         let description = Description::new(scene);
         let points = Outline::new(scene, &description, theory, settings)?.points(scene, theory, settings);
-        let (cells, local) = (points.lines_in_plane().map(|lines| lines.len() - 1), points.local);
+        let PlateGeometry { normal, thickness, .. } = points.geometry;
+        let compliance = 0.5 * scene.body.composition.compliance_across(normal, thickness);
+        let description = description.on_plate(normal, compliance);
+        let (cells, local) = (points.lines_in_plane().map(count_cells), points.local);
         let mirrors = points.geometry.mirrors();
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &mirrors }, &description)?;
         let (multiplicity, classes) = (points.geometry.multiplicity(), points.geometry.classes.len());

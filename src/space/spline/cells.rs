@@ -1,13 +1,15 @@
 //! Cells of a box: of constant size near the impact point, growing with the distance from it to the size that resolves
 //! the waves of the contact.
 
-use super::DEGREE;
 use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
+use super::{DEGREE, Settings};
 use crate::form::plate::Section;
 use crate::form::spline::WIDTH;
 use crate::scene::{Composition, Layer, Parts, Scene};
 use crate::space::grading::{Side, Sizes};
+use crate::space::grid::count_cells;
+use crate::space::parts;
 use crate::space::plate::{contact_time, wavelength};
 
 /// Size of the cells at the impact point divided by the radius of the loaded disc.
@@ -27,12 +29,17 @@ const ONE_ACROSS: f64 = 1.5;
 const MAX_UNKNOWNS: f64 = 4e4;
 
 /// Cells along the two sides of the impact point on each axis, chosen for a scene.
-struct Sides([[Side; 2]; 3]);
+struct Sides {
+    sides: [[Side; 2]; 3],
+    /// Lines along an axis of the impacted face with parts that carry supports or loads; `None` without such parts.
+    at_parts: [Option<Vec<f64>>; 3],
+}
 
 impl Sides {
-    fn new(geometry: &BoxGeometry, scene: &Scene, patch: &PatchModel, cell_size_factor: f64) -> Self {
-        let largest = CELL_OVER_WAVELENGTH * shortest_wave(geometry, scene);
-        Self(std::array::from_fn(|axis| {
+    fn new(geometry: &BoxGeometry, scene: &Scene, patch: &PatchModel, settings: &Settings) -> Self {
+        let Settings { cell_size_factor, part_cell_factor } = *settings;
+        let (largest, parts) = (CELL_OVER_WAVELENGTH * shortest_wave(geometry, scene), parts::parts(scene));
+        let sides: [[Side; 2]; 3] = std::array::from_fn(|axis| {
             let [low, high] = geometry.ends(axis);
             let hit = geometry.hit[axis];
             let growth = cell_size_factor * CELL_GROWTH[usize::from(axis == geometry.struck)];
@@ -44,7 +51,23 @@ impl Sides {
                 (cell_size_factor * CELL_OVER_DISC * patch.disc).min(if is_halved { 0.5 * longest } else { longest });
             let sizes = Sizes { hit: at_hit, largest: cell_size_factor * largest, growth };
             lengths.map(|length| Side { length, sizes })
-        }))
+        });
+        let at_parts = std::array::from_fn(|axis| {
+            let is_halved = geometry.mirrors.contains(&axis);
+            let edges = parts::edges(&parts, axis, is_halved, geometry.ends(axis));
+            let (hit, size) = (geometry.hit[axis], |x: f64| sides[axis][0].sizes.at(x - geometry.hit[axis]));
+            let is_along_face = axis != geometry.struck && !edges.is_empty();
+            is_along_face.then(|| parts::lines(geometry.ends(axis), (hit, 2), &edges, part_cell_factor, size))
+        });
+        Self { sides, at_parts }
+    }
+
+    /// Number of cells along an axis, with a part of a cell counted as one.
+    fn cells(&self, axis: usize) -> f64 {
+        match &self.at_parts[axis] {
+            Some(lines) => count_cells(lines) as f64,
+            None => self.sides[axis].iter().map(Side::cells).sum(),
+        }
     }
 
     /// Estimated number of unknowns.
@@ -52,7 +75,7 @@ impl Sides {
         let functions = |axis: usize| {
             // Each layer adds a cell, and functions that end at its interfaces.
             let of_layers = if axis == 2 { (DEGREE * geometry.interfaces.len().saturating_sub(2)) as f64 } else { 0.0 };
-            let all = self.0[axis].iter().map(Side::cells).sum::<f64>() + DEGREE as f64 + of_layers;
+            let all = self.cells(axis) + DEGREE as f64 + of_layers;
             if folds(axis, geometry, patch) { 0.5 * all } else { all }
         };
         3.0 * (0..3).map(functions).product::<f64>()
@@ -65,8 +88,8 @@ fn folds(axis: usize, geometry: &BoxGeometry, patch: &PatchModel) -> bool {
 }
 
 /// Estimated number of unknowns of a box with the cells of [`lines`].
-pub(super) fn unknowns(geometry: &BoxGeometry, scene: &Scene, patch: &PatchModel, cell_size_factor: f64) -> f64 {
-    Sides::new(geometry, scene, patch, cell_size_factor).unknowns(geometry, patch)
+pub(super) fn unknowns(geometry: &BoxGeometry, scene: &Scene, patch: &PatchModel, settings: &Settings) -> f64 {
+    Sides::new(geometry, scene, patch, settings).unknowns(geometry, patch)
 }
 
 /// Lines normal to each axis of the modelled part. If splines would be smooth across the impact point, its line is
@@ -78,14 +101,14 @@ pub(super) fn lines(
     geometry: &BoxGeometry,
     scene: &Scene,
     patch: &PatchModel,
-    cell_size_factor: f64,
+    settings: &Settings,
 ) -> Result<[Vec<f64>; 3], String> {
-    let all = Sides::new(geometry, scene, patch, cell_size_factor);
+    let all = Sides::new(geometry, scene, patch, settings);
     let unknowns = all.unknowns(geometry, patch);
     if !(1.0..=MAX_UNKNOWNS).contains(&unknowns) {
         return Err(format!("it would take {unknowns:.0} unknowns"));
     }
-    let Sides(sides) = all;
+    let Sides { sides, at_parts } = all;
     let lines: [Vec<f64>; 3] = std::array::from_fn(|axis| {
         let hit = geometry.hit[axis];
         if folds(axis, geometry, patch) {
@@ -95,6 +118,9 @@ pub(super) fn lines(
         }
         if axis == 2 && !geometry.interfaces.is_empty() {
             return in_layers(&geometry.interfaces, hit, &sides[axis]);
+        }
+        if let Some(lines) = &at_parts[axis] {
+            return lines.clone();
         }
         let [below, above] = sides[axis].each_ref().map(Side::lines);
         let times = if below.is_empty() || above.is_empty() { 1 } else { 2 };
@@ -107,8 +133,10 @@ pub(super) fn lines(
         [lines[0], lines[last]] = geometry.ends(axis);
         lines
     });
-    let apart = |lines: &Vec<f64>, hit: f64| lines.windows(2).all(|pair| pair[0] < pair[1] || pair == [hit, hit]);
-    if (0..3).any(|axis| !apart(&lines[axis], geometry.hit[axis])) {
+    let apart = |(lines, repeated): (&Vec<f64>, &Option<Vec<f64>>), hit: f64| {
+        lines.windows(2).all(|pair| pair[0] < pair[1] || pair == [hit, hit] || repeated.is_some() && pair[0] == pair[1])
+    };
+    if (0..3).any(|axis| !apart((&lines[axis], &at_parts[axis]), geometry.hit[axis])) {
         return Err("its cells are too thin for their coordinates to differ".into());
     }
     Ok(lines)

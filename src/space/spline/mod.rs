@@ -12,8 +12,8 @@ mod layer;
 mod patch;
 mod points;
 
-use super::SurfaceTerms;
-use super::grid::{GridField, GridSpace};
+use super::grid::{GridField, GridSpace, count_cells};
+use super::{SurfaceTerms, rung_below};
 use crate::body::System;
 use crate::description::{Description, Part, Portion};
 use crate::error::Result;
@@ -38,12 +38,18 @@ const DEGREE: usize = 4;
 pub struct Settings {
     /// Factor on the size of all cells; 1 is the default size.
     pub cell_size_factor: f64,
+    /// Factor on the size of the cells at parts of faces with supports or loads.
+    pub part_cell_factor: f64,
 }
+
+/// Factor on the size of all cells at the default tolerance.
+const OF_DEFAULT_TOLERANCE: f64 = 1.35;
 
 impl Settings {
     /// Settings for an error of less than half of a tolerance, as measured on plates.
     pub fn new(tolerance: f64) -> Self {
-        Self { cell_size_factor: (1.35 * (tolerance / 1e-2).powf(0.22)).clamp(0.3, 2.0) }
+        let factor = rung_below((tolerance / 1e-2).powf(0.22));
+        Self { cell_size_factor: (OF_DEFAULT_TOLERANCE * factor).clamp(0.3, 2.0), part_cell_factor: factor.min(1.0) }
     }
 }
 
@@ -66,9 +72,7 @@ pub struct SplineSolid {
 pub fn admits(scene: &Scene) -> std::result::Result<(), String> {
     let geometry = BoxGeometry::new(scene)?;
     match PatchModel::new(&geometry, scene) {
-        Ok(patch) => {
-            cells::lines(&geometry, scene, &patch, Settings::new(scene.tolerance).cell_size_factor).map(|_| ())
-        }
+        Ok(patch) => cells::lines(&geometry, scene, &patch, &Settings::new(scene.tolerance)).map(|_| ()),
         // A fault of the patch applies to any mesh too, so it is no reason against splines.
         Err(_) => Ok(()),
     }
@@ -78,20 +82,15 @@ pub fn admits(scene: &Scene) -> std::result::Result<(), String> {
 pub fn unknowns(scene: &Scene, settings: &Settings) -> Option<f64> {
     let geometry = BoxGeometry::new(scene).ok()?;
     let patch = PatchModel::new(&geometry, scene).ok()?;
-    Some(cells::unknowns(&geometry, scene, &patch, settings.cell_size_factor))
+    Some(cells::unknowns(&geometry, scene, &patch, settings))
 }
 
 /// Numbers of cells of [`SplineSolid::new`] for a scene along the axes; `None` if it would refuse the scene.
 pub fn cells(scene: &Scene, settings: &Settings) -> Option<[usize; 3]> {
     let geometry = BoxGeometry::new(scene).ok()?;
     let patch = PatchModel::new(&geometry, scene).ok()?;
-    let lines = cells::lines(&geometry, scene, &patch, settings.cell_size_factor).ok()?;
-    Some(lines.each_ref().map(|lines| count(lines)))
-}
-
-/// Number of cells between lines, some of which may be repeated.
-fn count(lines: &[f64]) -> usize {
-    lines.windows(2).filter(|pair| pair[0] < pair[1]).count()
+    let lines = cells::lines(&geometry, scene, &patch, settings).ok()?;
+    Some(lines.each_ref().map(|lines| count_cells(lines)))
 }
 
 impl SplineSolid {
@@ -107,8 +106,8 @@ impl SplineSolid {
         };
         let geometry = BoxGeometry::new(scene).map_err(fault)?;
         let patch = PatchModel::new(&geometry, scene)?;
-        let lines = cells::lines(&geometry, scene, &patch, settings.cell_size_factor).map_err(fault)?;
-        let cells = lines.each_ref().map(|lines| count(lines));
+        let lines = cells::lines(&geometry, scene, &patch, settings).map_err(fault)?;
+        let cells = lines.each_ref().map(|lines| count_cells(lines));
         let description = Description::new(scene);
         let tensor = tensor(&lines, &inner(&geometry.interfaces), patch.bends.then_some(geometry.struck));
         let parts = &description.parts;

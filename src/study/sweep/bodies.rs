@@ -301,7 +301,7 @@ impl<'a> Bodies<'a> {
                 judge: Some((larger, ErrorRule::with_factor(family::ERROR_FACTOR_OF_MERGED))),
                 unknowns: family.unknowns,
                 readout: family.readout.clone(),
-                of_model: of_theory.joined(Errors { stress: f64::NAN, ..of_merging }),
+                of_model: of_theory.joined(Errors { stress: f64::NAN, stress_history: f64::NAN, ..of_merging }),
                 made_for: None,
                 is_interpolated: false,
                 is_moved_by_loads: false,
@@ -442,7 +442,14 @@ impl Kept {
         // stress error give NaN.
         let of_steps = if impact.count.error.is_some() { f64::NAN } else { 0.0 };
         if !tension.value.is_nan() {
-            tension = tension.with_error(joined(impact.count.stress_error.unwrap_or(of_steps), all.stress), scene);
+            let impact::Count { stress_error, stress_history_error, .. } = impact.count;
+            let of_steps = Errors {
+                stress: stress_error.unwrap_or(of_steps),
+                stress_history: stress_history_error.unwrap_or(of_steps),
+                ..Errors::default()
+            };
+            let first_end = impact.force().map_or(f64::INFINITY, |(force, _)| force.first_end());
+            tension = tension.with_error(tension.error_of(&all.joined(of_steps), first_end), scene);
         }
         let deflection_error = if self.estimates_deflection(scene) {
             joined(impact.count.deflection_error.unwrap_or(of_steps), all.deflection)

@@ -10,6 +10,7 @@ use crate::impact::step::Step;
 use crate::impact::{Probe, Reading, Until, joined};
 use crate::model::watch;
 use crate::model::{Linearity, Model, Simulation};
+use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::Scene;
 
@@ -63,6 +64,7 @@ pub fn simulate(
     let mut deflection_over_thickness = f64::NAN;
     let mut simulation = Simulation::new(scene, model)?;
     let (mut tension, strengths) = (LargestTension::default(), strengths(&scene.strength, simulation.faces()));
+    let mut contacts = Episodes::new(scene.impactor.mass);
     let flow = simulation.run_watched(&mut Until {
         interrupted: &*interrupted,
         take: |step: &Step, reading: &Reading| {
@@ -71,14 +73,16 @@ pub fn simulate(
                     deflection_over_thickness.max(linearity.over_thickness(linearity.deflection(step)));
             }
             tension.take(step.time, &reading.faces, &strengths);
+            contacts.push(step);
             observe(step, &reading.probes);
         },
     })?;
     let estimate = simulation.error();
     let errors = estimate.total().map(|errors| errors.joined(of_theory));
     let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
-    let of_tension = errors.filter(|_| !estimate.of_tension().is_nan());
-    tension = tension.with_error(of_tension.map_or(f64::NAN, |errors| errors.stress), scene);
+    let of_tension = estimate.of_tension().joined(of_theory);
+    let first_end = contacts.all().first().map_or(f64::INFINITY, |first| first.end);
+    tension = tension.with_error(tension.error_of(&of_tension, first_end), scene);
     let deflection_error = joined(estimate.of_deflection(), of_theory.deflection);
     let outcome =
         Computed { error_estimate, first_error, deflection_error, deflection_over_thickness, unknowns, tension };
