@@ -8,7 +8,7 @@ use crate::scheme::modal::quadratic;
 const NEAR_PEAK: f64 = 0.9;
 
 /// Part of the largest stress from which a stress at a watched place counts.
-const NEAR_LARGEST: f64 = 0.7;
+const NEAR_LARGEST: f64 = 0.9;
 
 /// Number of neighbouring values through which a cubic polynomial interpolates the deflection.
 const INTERPOLATED: usize = 4;
