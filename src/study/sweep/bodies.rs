@@ -19,6 +19,7 @@ use crate::model::watch::{Until, Watch};
 use crate::model::{
     BASIS_SHARE, Dynamics, JudgeBasis, LARGE_ERROR_OF_DEFLECTION, Linearity, Model, edges, largest_linear,
 };
+use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;
@@ -396,7 +397,9 @@ impl Kept {
                 ..readout.clone()
             })?;
         }
+        let mut contacts = Episodes::new(scene.impactor.mass);
         let take = |step: &Step, reading: &Reading| {
+            contacts.push(step);
             tension.take(step.time, &reading.faces, &strengths);
             steps.push(*step);
         };
@@ -441,9 +444,8 @@ impl Kept {
         // Given steps have no error estimate, and their error counts as 0. Adaptive steps without an estimate of the
         // stress error give NaN.
         let of_steps = if impact.count.error.is_some() { f64::NAN } else { 0.0 };
-        if !tension.value.is_nan() {
-            tension = tension.with_error(joined(impact.count.stress_error.unwrap_or(of_steps), all.stress), scene);
-        }
+        let stress_error = joined(impact.count.stress_error.unwrap_or(of_steps), all.stress);
+        tension = tension.with_error(stress_error, scene, contacts.all().first().map(|first| first.end));
         let deflection_error = if self.estimates_deflection(scene) {
             joined(impact.count.deflection_error.unwrap_or(of_steps), all.deflection)
         } else {

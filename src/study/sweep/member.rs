@@ -10,11 +10,12 @@ use crate::impact::step::Step;
 use crate::impact::{Probe, Reading, Until, joined};
 use crate::model::watch;
 use crate::model::{Linearity, Model, Simulation};
+use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::Scene;
 
 /// Results of an impact simulation in addition to its steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Computed {
     /// Estimated error of the acceleration history over its peak; NaN if there is no estimate.
     pub error_estimate: f64,
@@ -63,6 +64,7 @@ pub fn simulate(
     let mut deflection_over_thickness = f64::NAN;
     let mut simulation = Simulation::new(scene, model)?;
     let (mut tension, strengths) = (LargestTension::default(), strengths(&scene.strength, simulation.faces()));
+    let mut contacts = Episodes::new(scene.impactor.mass);
     let flow = simulation.run_watched(&mut Until {
         interrupted: &*interrupted,
         take: |step: &Step, reading: &Reading| {
@@ -71,6 +73,7 @@ pub fn simulate(
                     deflection_over_thickness.max(linearity.over_thickness(linearity.deflection(step)));
             }
             tension.take(step.time, &reading.faces, &strengths);
+            contacts.push(step);
             observe(step, &reading.probes);
         },
     })?;
@@ -78,7 +81,8 @@ pub fn simulate(
     let errors = estimate.total().map(|errors| errors.joined(of_theory));
     let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
     let of_tension = errors.filter(|_| !estimate.of_tension().is_nan());
-    tension = tension.with_error(of_tension.map_or(f64::NAN, |errors| errors.stress), scene);
+    let first_end = contacts.all().first().map(|first| first.end);
+    tension = tension.with_error(of_tension.map_or(f64::NAN, |errors| errors.stress), scene, first_end);
     let deflection_error = joined(estimate.of_deflection(), of_theory.deflection);
     let outcome =
         Computed { error_estimate, first_error, deflection_error, deflection_over_thickness, unknowns, tension };
