@@ -94,7 +94,7 @@ impl CheckpointWriter {
         let mut known = Known {
             rows: writer.rows(),
             episodes: writer.episodes().clone(),
-            summary: *summary,
+            summary: summary.clone(),
             map: writer.map().clone(),
         };
         known.visit(&mut Visitor::save(&mut of_record))?;

@@ -9,11 +9,10 @@ use crate::impact::estimated;
 use crate::record::checkpoint::is_there;
 use crate::record::extremes::{Extreme, Extremes, extremes};
 use crate::record::read::{history, origin};
-use crate::record::stress::TensionExtreme;
 use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
 
 use super::notes::counted;
-use super::summary::{is_outside_first_contact, lines};
+use super::summary::lines;
 use super::{Info, say, short};
 
 /// Prints the facts of a run or of a sweep.
@@ -35,7 +34,7 @@ pub fn info(arguments: &Info) -> Result<()> {
         (Some(sweep), false) => SweepFacts::of(&sweep).print(),
         (Some(sweep), true) => print_json(&SweepFacts::of(&sweep)),
         (None, false) => RunFacts::read(path)?.print(),
-        (None, true) => print_json(&RunFacts::read(path)?.with_estimates_that_apply()),
+        (None, true) => print_json(&RunFacts::read(path)?),
     }
     Ok(())
 }
@@ -120,17 +119,6 @@ impl RunFacts {
         })
     }
 
-    /// The same facts without an estimated error of a tension outside the first contact, where it does not apply.
-    fn with_estimates_that_apply(mut self) -> Self {
-        let first_end = self.contacts.first().map(|first| first.end);
-        if let Some(TensionExtreme { largest, .. }) = self.largest.as_mut().and_then(|largest| largest.tension.as_mut())
-            && is_outside_first_contact(largest.time, first_end)
-        {
-            largest.error_estimate = f64::NAN;
-        }
-        self
-    }
-
     fn print(&self) {
         let options = if self.petsc_options.is_empty() { "no options" } else { &self.petsc_options };
         say(format_args!("title      {}", self.title));
@@ -151,9 +139,7 @@ impl RunFacts {
         if let Some(largest) = &self.largest {
             let Extreme { value, time } = largest.acceleration;
             say(format_args!("largest    acceleration {} m/s² at {} ms", short(value), short(1e3 * time)));
-            for line in
-                lines(largest, self.deflection_error_estimate, self.contacts.first().map(|first| first.end), |_| None)
-            {
+            for line in lines(largest, self.deflection_error_estimate) {
                 say(format_args!("           {line}"));
             }
         }

@@ -131,6 +131,10 @@ impl Remarks {
                 );
                 all.notes.add(member, remark("error of the tension", tension_error, text));
             }
+            if let Some(why) = writer.messages().get(&member) {
+                let text = format!("the error of the largest tension is not estimated: {why}");
+                all.notes.add(member, remark("tension without an estimate", of(Quantity::LargestStress), text));
+            }
             if *measure != Measure::Deflection && deflection_error > LARGE_ERROR_OF_DEFLECTION {
                 let text = format!(
                     "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value; \

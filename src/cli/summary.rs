@@ -10,7 +10,7 @@ use crate::model::{Edges, Linearity, STIFFENING};
 use crate::record::episodes::{Episode, Episodes};
 use crate::record::extremes::{Extreme, Extremes, ProbeExtremes};
 use crate::record::provenance::Cost;
-use crate::record::stress::{LargestTension, TensionExtreme};
+use crate::record::stress::{LargestTension, StrengthVerdict, TensionExtreme};
 use crate::space::evaluate::FaceTension;
 
 use super::{coordinate, say, short};
@@ -19,7 +19,7 @@ use super::{coordinate, say, short};
 const MAX_CONTACTS: usize = 12;
 
 /// Data for the summary of a run.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Summary {
     peak: (f64, f64),
     /// Energy at t = 0, J.
@@ -60,7 +60,7 @@ impl Summary {
 
     /// The largest tension so far.
     pub fn largest_tension(&self) -> LargestTension {
-        self.tension
+        self.tension.clone()
     }
 
     /// Time reached, s.
@@ -161,12 +161,6 @@ pub fn beyond(ratio: f64, edges: Edges) -> String {
     )
 }
 
-/// Whether the estimated error of a tension at a time (s) does not apply, because it is after the end of the first
-/// contact (s), or because there was no contact.
-pub fn is_outside_first_contact(time: f64, first_end: Option<f64>) -> bool {
-    first_end.is_none_or(|end| time > end)
-}
-
 /// Times of contacts, in one line.
 fn times(contacts: &[Episode]) -> String {
     let shown = |contact: &Episode| format!("{}–{} ms", short(1e3 * contact.start), short(1e3 * contact.end));
@@ -183,14 +177,8 @@ fn times(contacts: &[Episode]) -> String {
 }
 
 /// Lines with the largest values of a run, without the acceleration. `deflection_error` is the estimated error of the
-/// deflection, NaN if it is unknown. `first_end` is the end of the first contact, s, if there was one. `why` returns
-/// the reason why the error of the largest tension is not estimated, if it is known.
-pub fn lines(
-    extremes: &Extremes,
-    deflection_error: f64,
-    first_end: Option<f64>,
-    why: impl Fn(&LargestTension) -> Option<String>,
-) -> Vec<String> {
+/// deflection, NaN if it is unknown.
+pub fn lines(extremes: &Extremes, deflection_error: f64) -> Vec<String> {
     let at = |extreme: &Extreme, factor: f64, unit: &str| {
         format!("{} {unit} at {} ms", short(factor * extreme.value), short(1e3 * extreme.time))
     };
@@ -209,7 +197,7 @@ pub fn lines(
         ),
     };
     let mut lines = vec![format!("peak force {}{deflection}", at(&extremes.force, 1.0, "N"))];
-    if let Some(TensionExtreme { largest, face, strength_passed_face }) = &extremes.tension {
+    if let Some(TensionExtreme { largest, face, strength_passed_face, strength_verdict }) = &extremes.tension {
         let [x, y, z] = largest.point;
         let mut line = format!(
             "largest tension {} MPa on face {face:?} at {} ms, at [{}, {}, {}] m",
@@ -219,17 +207,11 @@ pub fn lines(
             coordinate(y),
             coordinate(z)
         );
-        let only = "errors of tensions are estimated in the first contact only";
-        line += &match largest.error_estimate {
-            _ if first_end.is_none() => format!(", without a contact; {only}"),
-            none if none.is_nan() => {
-                let why = why(largest).map_or(String::new(), |why| format!(": {why}"));
-                format!(", without an estimate of its error{why}")
-            }
-            _ if is_outside_first_contact(largest.time, first_end) => {
-                format!(", after the first contact; {only}")
-            }
-            error => format!(", estimated error {}", estimated(error)),
+        line += &match (largest.error_estimate, largest.without_estimate.as_str()) {
+            // Killed runs have neither.
+            (none, "") if none.is_nan() => ", without an estimate of its error".to_owned(),
+            (none, why) if none.is_nan() => format!(", without an estimate of its error: {why}"),
+            (error, _) => format!(", estimated error {}", estimated(error)),
         };
         if !largest.strength_passed_at.is_nan() {
             // Older results do not have the name of the face.
@@ -239,6 +221,10 @@ pub fn lines(
             };
             line +=
                 &format!("; the strength{of_face} is first exceeded at {} ms", short(1e3 * largest.strength_passed_at));
+        } else if strength_verdict == StrengthVerdict::NotExceeded.name() {
+            line += "; the strength is not exceeded";
+        } else if strength_verdict == StrengthVerdict::Undecided.name() {
+            line += "; whether the strength is exceeded is undecided";
         }
         lines.push(line);
     }

@@ -11,6 +11,7 @@ use crate::agree::{decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
 use crate::model::watch::{self, Watch};
+use crate::record::stress::StrengthVerdict;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
 use crate::scene::{Model, Scene, Source};
 use crate::study::sweep::{Bodies, Found, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
@@ -304,8 +305,11 @@ impl SweepRecorder {
         {
             let passed: Vec<usize> =
                 of(Quantity::StrengthPassedAt).filter(|(time, _)| time.is_finite()).map(|(_, n)| n).collect();
+            let undecided = StrengthVerdict::Undecided.number();
+            let open = of(Quantity::StrengthVerdict).filter(|(number, _)| *number == undecided).count();
             let strength = match &passed[..] {
-                [] => "the strength is not exceeded".to_owned(),
+                [] if open == 0 => "the strength is not exceeded".to_owned(),
+                [] => format!("whether the strength is exceeded is undecided in {open} of {} members", done.len()),
                 all if all.len() == done.len() => "the strength is exceeded in all members".to_owned(),
                 [first, ..] => {
                     let (count, all) = (passed.len(), done.len());
@@ -319,7 +323,8 @@ impl SweepRecorder {
             say(format_args!("largest tension {low} to {high} MPa, the largest of {}; {strength}", grid.name(at)));
         }
         let failed = self.count(Status::Failed) + self.count(Status::Refused);
-        if let Some((first, why)) = self.writer.messages().first_key_value() {
+        let is_failed = |member: usize| self.writer.status()[member] != Status::Done;
+        if let Some((first, why)) = self.writer.messages().iter().find(|(member, _)| is_failed(**member)) {
             say(format_args!("failed: {failed}, the first of them {}: {why}", grid.name(*first)));
         }
         let there = if self.before > 0 { format!(", {} of them were there", self.before) } else { String::new() };

@@ -113,11 +113,6 @@ impl Data {
         self.force.time.last().copied().unwrap_or_default()
     }
 
-    /// Whether a time (s) is after the end of the first contact.
-    pub fn is_after_first_contact(&self, time: f64) -> bool {
-        self.contacts.episodes.first().is_some_and(|first| time > first.end)
-    }
-
     /// Start and end of each contact, s.
     pub fn touches(&self) -> Vec<(f64, f64)> {
         self.contacts.episodes.iter().map(|episode| (episode.start, episode.end)).collect()

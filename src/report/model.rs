@@ -130,14 +130,13 @@ pub fn deflection_error(data: &Data) -> Option<Estimate> {
     (!error.is_nan()).then(|| Estimate { value: percent(error), of })
 }
 
-/// Estimated error of the largest tension. The errors of tensions are estimated in the first contact only.
+/// Estimated error of the largest tension.
 pub fn stress_error(data: &Data, stresses: &Stresses) -> Estimate {
     let error = stresses.error_estimate;
-    let is_later = stresses.largest.as_ref().is_some_and(|largest| data.is_after_first_contact(largest.time));
-    if error.is_nan() || data.contacts.episodes.is_empty() {
-        Estimate { value: "not estimated".to_owned(), of: String::new() }
-    } else if is_later {
-        Estimate { value: "not estimated".to_owned(), of: "after the first contact".to_owned() }
+    if error.is_nan() {
+        let why = stresses.without_estimate.as_str();
+        let of = if why.is_empty() { String::new() } else { format!("({why})") };
+        Estimate { value: "not estimated".to_owned(), of }
     } else {
         let may_help = |scene: &Scene| {
             scene.measure != Measure::Stress && scene.body.reduction == Reduction::Auto && error > scene.tolerance

@@ -3,7 +3,7 @@
 use crate::impact::step::{Contact, Energy, Motion, Step};
 use crate::model::{self, Linearity};
 use crate::record::extremes::Extreme;
-use crate::record::stress::Passed;
+use crate::record::stress::{Passed, StrengthVerdict};
 use crate::scene::Model;
 
 use super::data::Data;
@@ -58,7 +58,8 @@ fn strength(data: &Data) -> Option<Verdict> {
         percent(part),
         given(used.strength, STRESS)
     );
-    if part >= 1.0 || stresses.strength_passed.is_some() {
+    let judged = used.verdict(stresses);
+    if judged == StrengthVerdict::Exceeded || stresses.strength_passed.is_some() {
         let when = stresses.strength_passed.as_ref().map_or(String::new(), |Passed { time, face }| {
             let on = if face.is_empty() || *face == used.largest.face {
                 String::new()
@@ -69,21 +70,20 @@ fn strength(data: &Data) -> Option<Verdict> {
         });
         return Some(verdict(Grade::Bad, "Strength exceeded", format!("{what}{when}.")));
     }
-    let error = stresses.error_estimate;
-    let is_later = data.is_after_first_contact(used.largest.time);
-    Some(if error.is_nan() || is_later || data.contacts.episodes.is_empty() {
-        let of_what = if is_later { "a tension after the first contact" } else { "the tension" };
-        verdict(Grade::Open, "Strength not exceeded", format!("{what}. The error of {of_what} is not estimated."))
-    } else if part + error * part >= 1.0 {
+    let error = used.error(stresses);
+    Some(if judged == StrengthVerdict::NotExceeded {
+        let grade = if data.is_complete { Grade::Good } else { Grade::Open };
+        let text = format!("{what}; the estimated error of the tension is {}.", percent(error));
+        verdict(grade, "Strength not exceeded", text)
+    } else if error.is_nan() {
+        let why = match stresses.without_estimate.as_str() {
+            "" => "".to_owned(),
+            why => format!(": {why}"),
+        };
+        verdict(Grade::Open, "Strength undecided", format!("{what}. The error of the tension is not estimated{why}."))
+    } else {
         let text = format!("{what}, which is nearer to it than the estimated error of {}.", percent(error));
         verdict(Grade::Open, "Strength not exceeded, but within the error", text)
-    } else {
-        let grade = if data.is_complete { Grade::Good } else { Grade::Open };
-        verdict(
-            grade,
-            "Strength not exceeded",
-            format!("{what}; the estimated error of the tension is {}.", percent(error)),
-        )
     })
 }
 

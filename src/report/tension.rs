@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::figure::Sheet;
 use crate::figure::face::draw_inline;
-use crate::record::stress::{Face, Largest, Passed, Stresses};
+use crate::record::stress::{Face, Largest, Passed, StrengthVerdict, Stresses};
 
 use super::data::Data;
 use super::faces::face_figure;
@@ -89,6 +89,18 @@ impl Use {
     pub fn part(&self) -> f64 {
         self.largest.value / self.strength
     }
+
+    /// Estimated error of the tension, divided by its value. It is known for the largest tension on all faces only;
+    /// otherwise NaN.
+    pub fn error(&self, stresses: &Stresses) -> f64 {
+        let is_largest = stresses.largest.as_ref().is_some_and(|largest| largest.face == self.largest.face);
+        if is_largest { stresses.error_estimate } else { f64::NAN }
+    }
+
+    /// Verdict on the strength.
+    pub fn verdict(&self, stresses: &Stresses) -> StrengthVerdict {
+        StrengthVerdict::of(self.largest.value, self.strength, self.error(stresses))
+    }
 }
 
 /// The face with the largest ratio of tension to strength; `None` if no face has a strength.
@@ -149,11 +161,11 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
             let of_face = if face.is_empty() { String::new() } else { format!(" of the {}", face_name(face)) };
             format!("The strength{of_face} was first exceeded at {}.", computed(*time, TIME))
         }
-        (false, None) => "The strength was not exceeded.".to_owned(),
+        (false, None) => match most_used(data).map(|used| used.verdict(stresses)) {
+            Some(StrengthVerdict::NotExceeded) => "The strength was not exceeded.".to_owned(),
+            _ => "Whether the strength was exceeded is undecided.".to_owned(),
+        },
     };
-    if stresses.error_estimate.is_nan() {
-        return format!("{strength} The error of the largest tension is not estimated for this model and its steps.");
-    }
     format!("{strength} Estimated error of the largest tension: {}.", stress_error(data, stresses).sentence())
 }
 

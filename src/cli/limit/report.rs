@@ -7,6 +7,8 @@ use serde::Serialize;
 use crate::scene::{Vec3, unit};
 use crate::study::limit::{Found, Range};
 
+use crate::record::stress::StrengthVerdict;
+
 use super::super::{coordinate, say, short};
 use super::table::{UNCERTAINTY, VALUE, significant};
 use super::trial::{Trial, Utilisation};
@@ -33,6 +35,8 @@ pub(super) struct Report<'a> {
     range: [f64; 2],
     outcome: Outcome,
     limit: Option<LimitFacts<'a>>,
+    /// Verdict on the whole range: "not exceeded" needs an estimate in every run.
+    verdict: &'static str,
     /// Run with the largest ratio of tension to strength.
     largest: RunFacts<'a>,
     /// Run with the smallest ratio of tension to strength.
@@ -84,10 +88,12 @@ impl<'a> Report<'a> {
         let at = found.root.and_then(|root| trials.iter().find(|trial| trial.value == root.at.value).zip(Some(root)));
         let limit = at.map(|(Trial { value, utilisation }, root)| {
             // Not smaller than the tolerance, even if the estimated error is.
-            let error = utilisation.error_estimate.max(tolerance) + utilisation.ratio.ln().abs();
+            // Unknown without an estimate.
+            let error = if utilisation.without_estimate.is_empty() { utilisation.error_estimate } else { f64::NAN };
+            let error = if error > tolerance || error.is_nan() { error } else { tolerance };
             LimitFacts {
                 value: *value,
-                uncertainty: error * root.sensitivity,
+                uncertainty: (error + utilisation.ratio.ln().abs()) * root.sensitivity,
                 ratio: utilisation.ratio,
                 tension: utilisation.tension,
                 strength: utilisation.strength,
@@ -109,19 +115,26 @@ impl<'a> Report<'a> {
             (None, Some(first)) if first.ratio >= 1.0 => Outcome::PassedEverywhere,
             (None, _) => Outcome::ReachedNowhere,
         };
+        let verdicts: Vec<StrengthVerdict> = trials.iter().map(|trial| trial.utilisation.verdict()).collect();
+        let first = [StrengthVerdict::Exceeded, StrengthVerdict::Undecided, StrengthVerdict::NotExceeded];
+        let verdict = first.into_iter().find(|verdict| verdicts.contains(verdict)).map_or("", StrengthVerdict::name);
+        // Without a limit, the warnings are those of the first run that leaves it open.
+        let undecided = trials.iter().find(|trial| trial.utilisation.verdict() == StrengthVerdict::Undecided);
+        let told = at.map(|(trial, _)| trial).or(undecided);
         Self {
             key: &range.key,
             unit: unit(&range.key),
             range: [range.from, range.to],
             outcome,
             limit,
+            verdict,
             largest: samples.iter().max_by(by_ratio).cloned().unwrap_or_else(none),
             smallest: samples.iter().min_by(by_ratio).cloned().unwrap_or_else(none),
             runs: trials.len(),
             added: found.added,
             is_lowest_by_curvature: found.is_complete,
             samples,
-            warnings: at.map_or(&[], |(trial, _)| &trial.utilisation.warnings),
+            warnings: told.map_or(&[], |trial| &trial.utilisation.warnings),
         }
     }
 
@@ -150,21 +163,29 @@ impl<'a> Report<'a> {
                 of(&self.largest),
                 of(&self.smallest)
             )),
-            (None, _) => say(format_args!(
-                "the strength is reached nowhere from {from} to {to}: the largest ratio of tension to strength is {}",
-                of(&self.largest)
-            )),
+            (None, _) => {
+                let is_open = self.verdict == StrengthVerdict::Undecided.name();
+                let open =
+                    if is_open { "; with the errors of the tension, whether it is exceeded is undecided" } else { "" };
+                say(format_args!(
+                    "the strength is reached nowhere from {from} to {to}: the largest ratio of tension to strength is {}{open}",
+                    of(&self.largest)
+                ));
+            }
         }
         say(format_args!("{} runs", self.runs));
     }
 
     fn print_limit(&self, limit: &LimitFacts) {
         let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
+        let value = significant(limit.value, VALUE);
+        let value = match limit.uncertainty {
+            none if none.is_nan() => format!("{value}{unit}, without an estimate of its uncertainty"),
+            uncertainty => format!("{value} ± {}{unit}", significant(uncertainty, UNCERTAINTY)),
+        };
         say(format_args!(
-            "limit: {} = {} ± {}{unit}, where the largest tension is {} of the strength",
+            "limit: {} = {value}, where the largest tension is {} of the strength",
             self.key,
-            significant(limit.value, VALUE),
-            significant(limit.uncertainty, UNCERTAINTY),
             short(limit.ratio)
         ));
         let [x, y, z] = limit.point.map(coordinate);

@@ -8,19 +8,18 @@ use serde::{Deserialize, Serialize};
 use crate::agree::of_root;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{Errors, Reading, Until};
+use crate::impact::{Reading, Until};
 use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Linearity, Model, Simulation};
 use crate::record::episodes::Episodes;
-use crate::record::stress::strengths;
+use crate::record::stress::{LargestTension, StrengthVerdict, strengths};
 use crate::scene::{self, Scene, Source, Vec3};
 use crate::space::evaluate::FaceTension;
 
 use super::super::follow::Follower;
 use super::super::interrupt::Interrupt;
-use super::super::notes::{Verdict, missing_faces, near_clamped_edge, verdict};
-use super::super::short;
-use super::super::summary::{Summary, is_outside_first_contact};
+use super::super::notes::{Verdict, missing_faces, verdict};
+use super::super::summary::Summary;
 
 /// A value of the key, with the result of its run.
 #[derive(Debug, Clone)]
@@ -48,9 +47,11 @@ pub(super) struct Utilisation {
     pub point: Vec3,
     /// Peak contact force of the whole run, N.
     pub peak_force: f64,
-    /// Estimated error of the acceleration over its peak, or of the tension if it is larger; NaN without an estimate. In
-    /// the first contact if the largest ratio is reached there, otherwise over the whole history.
+    /// Estimated error of the tension, or of the acceleration in the first contact if it is larger; NaN without an
+    /// estimate of the tension.
     pub error_estimate: f64,
+    /// Reason why there is no estimate, as a clause; empty if there is one.
+    pub without_estimate: String,
     /// Warnings that `ricochet run` would print for this scene, and those about the largest ratio.
     pub warnings: Vec<String>,
 }
@@ -68,8 +69,14 @@ impl Utilisation {
             point: [none; 3],
             peak_force: 0.0,
             error_estimate: none,
+            without_estimate: String::new(),
             warnings: Vec::new(),
         }
+    }
+
+    /// Verdict on the strength.
+    pub fn verdict(&self) -> StrengthVerdict {
+        StrengthVerdict::of(self.ratio, 1.0, self.error_estimate)
     }
 
     /// Takes a step into account.
@@ -132,32 +139,20 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
         return Err(Error::Interrupted);
     }
     let first_end = contacts.all().first().map(|first| first.end);
-    let is_outside = is_outside_first_contact(most.time, first_end);
-    // The maximum ignores NaN if the error of the stress is not estimated.
-    let error = |errors: Errors| match is_outside {
-        true => errors.history.max(errors.stress_history),
-        false => errors.first_contact.max(errors.stress),
-    };
-    most.error_estimate = impact.error().total().map_or(f64::NAN, error);
+    let estimate = impact.error();
+    let largest = LargestTension { value: most.tension, time: most.time, point: most.point, ..Default::default() };
+    let largest = largest.with_error(&estimate.of_tension(), scene, first_end);
+    most.error_estimate = estimate.total().map_or(f64::NAN, |errors| errors.first_contact.max(largest.error_estimate));
     warnings.extend(summary.warning());
     warnings.extend(summary.warning_of_end());
-    if scene.is_at_clamped_edge(most.point) {
-        warnings.push(
-            "the largest ratio of tension to strength is at a clamped edge, where the stresses of a solid do not converge as cells get smaller: the error of its tension is not \
-             estimated"
-                .to_owned(),
-        );
-    } else if let Some(distance) = scene.hit_near_clamped_edge() {
-        warnings.push(near_clamped_edge(distance));
-    }
-    if is_outside && (first_end.is_none() || !most.error_estimate.is_nan()) {
-        let when = if first_end.is_some() { "after the first contact" } else { "without a contact" };
+    if !largest.without_estimate.is_empty() {
+        most.error_estimate = f64::NAN;
         warnings.push(format!(
-            "the largest ratio of tension to strength is reached at {} ms, {when}; errors of tensions are estimated in the first contact only, so \
-             the uncertainty of the limit may be larger than stated",
-            short(1e3 * most.time)
+            "the largest ratio of tension to strength has no estimate of its error: {}",
+            largest.without_estimate
         ));
     }
+    most.without_estimate = largest.without_estimate;
     most.warnings = warnings;
     drop(impact);
     comm.collect_garbage()?;

@@ -88,7 +88,7 @@ pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
         Measure::Acceleration => return None,
         Measure::Stress => (
             "stresses",
-            "plates and splines in modal coordinates, hit at least a thickness from an edge, have an estimate",
+            "plates and splines in modal coordinates, hit at least half a thickness of the impacted layer from an edge, have an estimate",
         ),
         Measure::Deflection => (
             "the deflection",
@@ -268,27 +268,6 @@ fn gives_wide_disc(scene: &Scene) -> bool {
     let Contact::Patch { disc: Some(radius), .. } = scene.contact else { return false };
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return false };
     radius > size[axis]
-}
-
-/// Reason for which the error of the largest tension of a run is not estimated.
-pub fn why_unestimated(scene: &Scene, largest: &LargestTension) -> String {
-    let thickness = match (&scene.body.geometry, scene.struck_axis()) {
-        (Geometry::Box { size, .. }, Some(struck)) => size[struck],
-        _ => 0.0,
-    };
-    if scene.is_at_clamped_edge(largest.point) {
-        "it is at a clamped edge, where the tension of a solid grows as cells get smaller".to_owned()
-    } else if let Some(distance) = scene.hit_near_clamped_edge() {
-        format!("the hit is {distance:.2} thicknesses from a clamped edge, where a tension may be larger")
-    } else if scene.distance_to_edge().is_some_and(|distance| distance < thickness) {
-        "the hit is less than a thickness from an edge, and the local stresses under the contact are not added there"
-            .to_owned()
-    } else if scene.has_support_across() {
-        "a support is on the face that is hit or on the one opposite, and the local stresses under the contact are not added then"
-            .to_owned()
-    } else {
-        "only plates and spline solids in modal coordinates have one".to_owned()
-    }
 }
 
 #[cfg(test)]

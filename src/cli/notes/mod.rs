@@ -5,9 +5,9 @@ mod scene;
 
 pub use accuracy::{
     GROWTH, UNESTIMATED_ROTATIONS, USELESS, Verdict, describe_model, missed, note_of_measure, of_deflection,
-    of_tension, remedy_of_tension, scope_of_tolerance, verdict, why_unestimated,
+    of_tension, remedy_of_tension, scope_of_tolerance, verdict,
 };
-pub use scene::{missing_faces, near_clamped_edge, notes, of_geometry, of_values};
+pub use scene::{missing_faces, notes, of_geometry, of_values};
 
 /// A warning or note about a scene or its result.
 #[derive(Debug, Clone, PartialEq)]

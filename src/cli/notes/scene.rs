@@ -4,6 +4,7 @@ use crate::contact::{Footprint, ForceLaw, LARGEST_PHASE, Patch, Reason};
 use crate::impact::Plan;
 use crate::mesh::Measures;
 use crate::model;
+use crate::record::stress::contact_beyond_edge;
 use crate::scene::{
     Contact, Doubt, Geometry, LayerEffect, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
 };
@@ -55,7 +56,7 @@ const LONG_DIAGONAL: f64 = 20.0;
 const LONG_FOR_RADIUS: f64 = 200.0;
 
 /// Warning for a hit at a distance (divided by the thickness) from a clamped edge at which the tension there may govern.
-pub fn near_clamped_edge(distance: f64) -> String {
+fn near_clamped_edge(distance: f64) -> String {
     format!(
         "the hit is {distance:.2} thicknesses from a clamped edge, and the tension at that edge may be the largest: a plate's tension there is as \
          little as half of a solid's, which grows as cells get smaller; the error of the largest tension is therefore not estimated"
@@ -121,6 +122,15 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
         && let Some(distance) = scene.hit_near_clamped_edge()
     {
         add("near clamped edge", 1.0 / distance.max(f64::MIN_POSITIVE), near_clamped_edge(distance));
+    }
+    if let Some([radius, distance]) = contact_beyond_edge(scene) {
+        let text = format!(
+            "the contact has a radius of up to {:.4} mm, and an edge cuts it at {:.4} mm: force and tensions are those of a contact that lies \
+             on the face as a whole",
+            1e3 * radius,
+            1e3 * distance
+        );
+        add("cut contact", radius / distance, text);
     }
     if let Some(text) = tension_of_point_force(scene) {
         add("no radius", 1.0, text);

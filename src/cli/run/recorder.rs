@@ -14,7 +14,6 @@ use crate::record::checkpoint;
 use crate::record::extremes::extremes;
 use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
-use crate::record::stress::LargestTension;
 use crate::scene::{Measure, Scene};
 
 use super::super::checkpoint_writer::CheckpointWriter;
@@ -59,21 +58,17 @@ impl Recorder {
         // If nothing was computed, existing fields are left as they are.
         let fields = self.recording.as_mut().filter(|_| is_complete || self.writer.has_begun());
         let recorded = fields.map_or(Ok(()), Recording::flush);
-        let largest_tension = self.summary.largest_tension();
-        let first_end = episodes.all().first().map_or(f64::INFINITY, |first| first.end);
-        let error = largest_tension.error_of(&end.estimate.of_tension(), first_end);
-        let largest_tension = largest_tension.with_error(error, scene);
-        self.writer.set_largest(largest_tension);
+        let first_end = episodes.all().first().map(|first| first.end);
+        let largest_tension = self.summary.largest_tension().with_error(&end.estimate.of_tension(), scene, first_end);
+        self.writer.set_largest(largest_tension.clone());
         // If the steps have failed, the caller reports that error: a full disk first fails the steps and then the end.
         self.writer.finish(end.cost, is_complete).and(recorded)?;
         let Some(flow) = flow else { return Ok(()) };
         // If the file cannot be read back at once, the run is still valid.
         let extremes = extremes(end.output).ok().flatten();
         if end.has_summary {
-            let first_end = episodes.all().first().map(|first| first.end);
-            let why = |largest: &LargestTension| Some(notes::why_unestimated(scene, largest));
-            let largest = extremes
-                .map_or_else(Vec::new, |extremes| lines(&extremes, end.cost.deflection_error_estimate, first_end, why));
+            let largest =
+                extremes.map_or_else(Vec::new, |extremes| lines(&extremes, end.cost.deflection_error_estimate));
             self.summary.print(&episodes, &largest, end.cost, &judged(scene, end.estimate), end.output);
         }
         if let Some(warning) = self.summary.warning() {

@@ -11,8 +11,10 @@ use crate::record::provenance::{text, write_scalar, write_text};
 use crate::scene::{Scene, Vec3};
 use crate::space::evaluate::FaceTension;
 
+use super::estimate::{StrengthVerdict, why_without_estimate};
+
 /// Largest tension of a run over all steps and faces, and the time at which the strength was exceeded.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LargestTension {
     /// Largest principal stress, Pa; NaN if stresses are not read.
     pub value: f64,
@@ -28,8 +30,16 @@ pub struct LargestTension {
     /// Number of that face; meaningless if it never does.
     #[serde(skip)]
     pub strength_passed_face: usize,
+    /// Largest ratio of the tension on a face to its strength; NaN if no face has a strength.
+    #[serde(skip)]
+    pub used: f64,
+    /// Number of that face.
+    #[serde(skip)]
+    pub used_face: usize,
     /// Estimated error divided by the value; NaN if there is no estimate.
     pub error_estimate: f64,
+    /// Reason why there is no estimate, as a clause; empty if there is one.
+    pub without_estimate: String,
 }
 
 /// Largest tension of a run, with the names of the faces.
@@ -42,6 +52,8 @@ pub struct TensionExtreme {
     pub face: String,
     /// Name of the face whose strength is exceeded first; empty if no strength is exceeded.
     pub strength_passed_face: String,
+    /// Verdict on the strength: the name of a [`StrengthVerdict`]; empty if no face has a strength.
+    pub strength_verdict: String,
 }
 
 impl Default for LargestTension {
@@ -54,33 +66,48 @@ impl Default for LargestTension {
             point: [none; 3],
             strength_passed_at: none,
             strength_passed_face: 0,
+            used: none,
+            used_face: 0,
             error_estimate: none,
+            without_estimate: String::new(),
         }
     }
 }
 
 impl LargestTension {
-    /// Sets the estimated error, or NaN if the largest tension is or may be at a clamped edge. There the stresses of a
-    /// solid are singular, and the estimate, which is for the tension under the impact point, does not apply.
-    pub fn with_error(self, error: f64, scene: &Scene) -> Self {
-        let is_estimated = scene.hit_near_clamped_edge().is_none() && !scene.is_at_clamped_edge(self.point);
-        Self { error_estimate: if is_estimated { error } else { f64::NAN }, ..self }
+    /// Sets the estimated error, of the first contact or of the whole run, or NaN and the reason where there is no estimate or
+    /// it does not apply at the place of the largest tension. `first_end` is the end of the first contact, s, if there was
+    /// one.
+    pub fn with_error(self, errors: &Errors, scene: &Scene, first_end: Option<f64>) -> Self {
+        if self.value.is_nan() {
+            return self;
+        }
+        let is_first = first_end.is_none_or(|end| self.time <= end);
+        let error = if is_first { errors.stress } else { errors.stress_history };
+        match why_without_estimate(scene, self.point, error, first_end.is_some()) {
+            None => Self { error_estimate: error, ..self },
+            Some(without_estimate) => Self { without_estimate, ..self },
+        }
     }
 
-    /// The estimated error that applies to the largest tension: that of the first contact, which ends at a time (s), or that
-    /// of the whole run.
-    pub fn error_of(&self, errors: &Errors, first_end: f64) -> f64 {
-        if self.time <= first_end { errors.stress } else { errors.stress_history }
+    /// Verdict on the strength; `None` if no face has one. The error is estimated for the largest tension only.
+    pub fn verdict(&self) -> Option<StrengthVerdict> {
+        let error = if self.used_face == self.face { self.error_estimate } else { f64::NAN };
+        (!self.used.is_nan()).then(|| StrengthVerdict::of(self.used, 1.0, error))
     }
 
     /// Includes the tensions (by face) at a step; `strengths` has the strength of each face, Pa.
     pub fn take(&mut self, time: f64, tensions: &[FaceTension], strengths: &[Option<f64>]) {
         for (face, tension) in tensions.iter().enumerate() {
             if self.value.is_nan() || tension.largest > self.value {
-                *self = Self { value: tension.largest, face, time, point: tension.point, ..*self };
+                (self.value, self.face, self.time, self.point) = (tension.largest, face, time, tension.point);
             }
-            let is_passed = strengths.get(face).copied().flatten().is_some_and(|strength| tension.largest > strength);
-            if is_passed && self.strength_passed_at.is_nan() {
+            let Some(strength) = strengths.get(face).copied().flatten() else { continue };
+            let used = tension.largest / strength;
+            if self.used.is_nan() || used > self.used {
+                (self.used, self.used_face) = (used, face);
+            }
+            if used > 1.0 && self.strength_passed_at.is_nan() {
                 (self.strength_passed_at, self.strength_passed_face) = (time, face);
             }
         }
@@ -98,7 +125,9 @@ impl LargestTension {
             visitor.number(&format!("largest_stress_{name}"), x)?;
         }
         visitor.number("strength_passed_at", &mut self.strength_passed_at)?;
-        visitor.count("strength_passed_face", &mut self.strength_passed_face)
+        visitor.count("strength_passed_face", &mut self.strength_passed_face)?;
+        visitor.number("strength_used", &mut self.used)?;
+        visitor.count("strength_used_face", &mut self.used_face)
     }
 
     /// Creates the attributes of the root, with NaN and empty text.
@@ -107,7 +136,9 @@ impl LargestTension {
             write_scalar(root, name, f64::NAN)?;
         }
         write_text(root, FACE, "")?;
-        write_text(root, PASSED_FACE, "")?;
+        for name in [PASSED_FACE, WITHOUT_ESTIMATE, VERDICT] {
+            write_text(root, name, "")?;
+        }
         root.new_attr::<f64>().shape(3).create(POINT)?.write(&[f64::NAN; 3])
     }
 
@@ -119,10 +150,10 @@ impl LargestTension {
         }
         let faces = [(FACE, self.face, self.value), (PASSED_FACE, self.strength_passed_face, self.strength_passed_at)];
         for (attribute, face, known) in faces {
-            let face = names.get(face).filter(|_| !known.is_nan()).map_or("", String::as_str);
-            let face: VarLenUnicode = face.parse().unwrap_or_default();
-            root.attr(attribute)?.write_scalar(&face)?;
+            set_text(root, attribute, names.get(face).filter(|_| !known.is_nan()).map_or("", String::as_str))?;
         }
+        set_text(root, WITHOUT_ESTIMATE, &self.without_estimate)?;
+        set_text(root, VERDICT, self.verdict().map_or("", StrengthVerdict::name))?;
         root.attr(POINT)?.write(&self.point)
     }
 
@@ -133,13 +164,21 @@ impl LargestTension {
             NUMBERS.map(|name| root.attr(name).and_then(|attr| attr.read_scalar::<f64>()).unwrap_or(f64::NAN));
         let point = root.attr(POINT).and_then(|attr| attr.read_raw::<f64>()).ok()?;
         let point = [*point.first()?, *point.get(1)?, *point.get(2)?];
-        let largest = Self { value, time, point, strength_passed_at, error_estimate, ..Self::default() };
-        let [face, strength_passed_face] = [FACE, PASSED_FACE].map(|name| text(root, name).unwrap_or_default());
-        Some(TensionExtreme { largest, face, strength_passed_face })
+        let [face, strength_passed_face, without_estimate, strength_verdict] =
+            [FACE, PASSED_FACE, WITHOUT_ESTIMATE, VERDICT].map(|name| text(root, name).unwrap_or_default());
+        let known = Self { value, time, point, strength_passed_at, error_estimate, ..Self::default() };
+        let largest = Self { without_estimate, ..known };
+        Some(TensionExtreme { largest, face, strength_passed_face, strength_verdict })
     }
+}
+
+fn set_text(root: &hdf5::Location, attribute: &str, value: &str) -> hdf5::Result<()> {
+    root.attr(attribute)?.write_scalar(&value.parse::<VarLenUnicode>().unwrap_or_default())
 }
 
 const NUMBERS: [&str; 4] = ["largest_stress", "largest_stress_time", "strength_passed_at", "stress_error_estimate"];
 const FACE: &str = "largest_stress_face";
 const PASSED_FACE: &str = "strength_passed_face";
+const WITHOUT_ESTIMATE: &str = "stress_without_estimate";
+const VERDICT: &str = "strength_verdict";
 const POINT: &str = "largest_stress_point";

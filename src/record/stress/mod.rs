@@ -3,11 +3,13 @@
 //! `/series/stress` has a row for each recorded step. `/stress_map` has the largest tension over all steps at each
 //! point. The attributes of the root have the largest tension of the whole run.
 
+mod estimate;
 mod largest;
 mod map;
 mod read;
 mod write;
 
+pub use estimate::{StrengthVerdict, contact_beyond_edge};
 pub use largest::{LargestTension, TensionExtreme};
 pub use map::{FaceMap, MapPoints, STRESS_MAP, StressMaps};
 pub(in crate::record) use read::order;

@@ -27,6 +27,8 @@ pub struct Stresses {
     pub largest: Option<Largest>,
     /// Estimated error of the largest stress divided by its value; NaN if there is no estimate.
     pub error_estimate: f64,
+    /// Reason why there is no estimate, as a clause; may be empty.
+    pub without_estimate: String,
     /// Where and when a strength was first exceeded; `None` if none was.
     pub strength_passed: Option<Passed>,
 }
@@ -140,7 +142,7 @@ impl Stresses {
         // are used.
         let of_rows = faces.iter().filter_map(|face| face.peak(&time));
         let of_rows = of_rows.max_by(|one, other| one.value.total_cmp(&other.value));
-        let TensionExtreme { largest: found, face, strength_passed_face } =
+        let TensionExtreme { largest: found, face, strength_passed_face, .. } =
             LargestTension::read(file).unwrap_or_default();
         let is_complete = found.value.is_finite() && found.time.is_finite();
         let of_run = is_complete.then_some(Largest { value: found.value, face, time: found.time, point: found.point });
@@ -150,6 +152,7 @@ impl Stresses {
             ring,
             largest: of_run.or(of_rows),
             error_estimate: found.error_estimate,
+            without_estimate: found.without_estimate,
             strength_passed: (found.strength_passed_at.is_finite())
                 .then_some(Passed { time: found.strength_passed_at, face: strength_passed_face }),
         })

@@ -65,6 +65,8 @@ pub enum Quantity {
     LargestStressTime,
     /// Time at which the tension first exceeds the strength of a face, s; NaN if it never does.
     StrengthPassedAt,
+    /// Verdict on the strength: 0 not exceeded, 1 exceeded, 2 undecided; NaN without a strength.
+    StrengthVerdict,
     /// Estimated error of the largest tension divided by its value.
     StressErrorEstimate,
     /// Number of unknowns, including the impactor's.
@@ -75,7 +77,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities in their order, with the names of their datasets and their units.
-    pub(super) const ALL: [(Self, &'static str, &'static str); 19] = [
+    pub(super) const ALL: [(Self, &'static str, &'static str); 20] = [
         (Self::PeakForce, "peak_force", "N"),
         (Self::PeakAcceleration, "peak_acceleration", "m/s2"),
         (Self::PeakTime, "peak_time", "s"),
@@ -92,6 +94,7 @@ impl Quantity {
         (Self::LargestStressFace, "largest_stress_face", "1"),
         (Self::LargestStressTime, "largest_stress_time", "s"),
         (Self::StrengthPassedAt, "strength_passed_at", "s"),
+        (Self::StrengthVerdict, "strength_verdict", "1"),
         (Self::StressErrorEstimate, "stress_error_estimate", "1"),
         (Self::Unknowns, "unknowns", "1"),
         (Self::WallTime, "wall_time", "s"),
@@ -115,7 +118,7 @@ pub struct Member {
     pub index: usize,
     /// Status at the end of the computation.
     pub status: Status,
-    /// Reason for a failure; empty if the member is done.
+    /// Reason for a failure or, with a strength, why the error of the largest tension is not estimated; otherwise empty.
     pub message: String,
     /// Values by [`Quantity`]; NaN where unknown.
     pub quantities: [f64; Quantity::ALL.len()],
@@ -174,6 +177,10 @@ impl Member {
     /// Stores the largest tension of all steps.
     pub fn set_tension(&mut self, tension: &LargestTension) {
         let LargestTension { value, face, time, strength_passed_at, error_estimate, .. } = *tension;
+        if let Some(verdict) = tension.verdict() {
+            self.set(Quantity::StrengthVerdict, verdict.number());
+            self.message.clone_from(&tension.without_estimate);
+        }
         self.set(Quantity::LargestStress, value);
         self.set(Quantity::LargestStressFace, if value.is_nan() { f64::NAN } else { face as f64 });
         self.set(Quantity::LargestStressTime, time);

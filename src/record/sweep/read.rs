@@ -125,6 +125,7 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
             | Quantity::LargestStressFace
             | Quantity::LargestStressTime
             | Quantity::StrengthPassedAt
+            | Quantity::StrengthVerdict
             | Quantity::StressErrorEstimate,
         ) => Ok(vec![f64::NAN; members]),
         (dataset, _) => dataset?.read_raw::<f64>(),

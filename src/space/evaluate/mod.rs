@@ -17,7 +17,7 @@ pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use line_stress::{AtPlace, FaceLines, LinePart, LineStresses, Lines};
 pub use map::{Map, renumbered};
-pub use near::{ContactNow, ContactSize, Hit, HitBody, LocalPoint, NearHit, TensionErrors};
+pub use near::{ContactNow, ContactSize, Hit, HitBody, LEAST_MEAN, LocalPoint, NearHit, TensionErrors};
 pub use sampler::{FieldSampler, Fields};
 pub use search::{Coordinates, Searched, TensionSearch};
 pub use smoothed::Add;

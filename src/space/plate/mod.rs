@@ -17,7 +17,7 @@ mod waves;
 
 pub use cells::{LocalVibrations, ShearTravelTimes, crossing, phase};
 pub(super) use cells::{contact_time, wavelength};
-pub use laminate::{FrequencyRatios, Laminate, contact_wavelength, frequency_ratios};
+pub use laminate::{FrequencyRatios, LEAST_LAYER, Laminate, contact_wavelength, frequency_ratios};
 pub use points::Points;
 pub use theory::PlateTheory;
 pub use waves::{classes_of_motions, infinite_plate};

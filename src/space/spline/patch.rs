@@ -33,8 +33,7 @@ pub(super) struct PatchModel {
     /// displacements even. The remaining deformation, squeezing, is then a constant of the contact law, as for an
     /// infinite layer under a static load.
     pub bends: bool,
-    /// Whether the body is a single layer, so that its local field is added to the stresses near the impact point. (The
-    /// field is omitted if an edge is nearer than the thickness.)
+    /// Whether the body is a single layer, so that its local field is added to the stresses near the impact point.
     pub is_layer: bool,
     /// The same for a body of one or several layers.
     pub is_stack: bool,

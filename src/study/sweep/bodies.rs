@@ -19,6 +19,7 @@ use crate::model::watch::{Until, Watch};
 use crate::model::{
     BASIS_SHARE, Dynamics, JudgeBasis, LARGE_ERROR_OF_DEFLECTION, Linearity, Model, edges, largest_linear,
 };
+use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::{self, Scene, SupportKind};
 use crate::space::evaluate::ContactSize;
@@ -396,7 +397,9 @@ impl Kept {
                 ..readout.clone()
             })?;
         }
+        let mut contacts = Episodes::new(scene.impactor.mass);
         let take = |step: &Step, reading: &Reading| {
+            contacts.push(step);
             tension.take(step.time, &reading.faces, &strengths);
             steps.push(*step);
         };
@@ -441,16 +444,14 @@ impl Kept {
         // Given steps have no error estimate, and their error counts as 0. Adaptive steps without an estimate of the
         // stress error give NaN.
         let of_steps = if impact.count.error.is_some() { f64::NAN } else { 0.0 };
-        if !tension.value.is_nan() {
-            let impact::Count { stress_error, stress_history_error, .. } = impact.count;
-            let of_steps = Errors {
-                stress: stress_error.unwrap_or(of_steps),
-                stress_history: stress_history_error.unwrap_or(of_steps),
-                ..Errors::default()
-            };
-            let first_end = impact.force().map_or(f64::INFINITY, |(force, _)| force.first_end());
-            tension = tension.with_error(tension.error_of(&all.joined(of_steps), first_end), scene);
-        }
+        let impact::Count { stress_error, stress_history_error, .. } = impact.count;
+        let of_steps_of_stress = Errors {
+            stress: stress_error.unwrap_or(of_steps),
+            stress_history: stress_history_error.unwrap_or(of_steps),
+            ..Errors::default()
+        };
+        let first_end = contacts.all().first().map(|first| first.end);
+        tension = tension.with_error(&all.joined(of_steps_of_stress), scene, first_end);
         let deflection_error = if self.estimates_deflection(scene) {
             joined(impact.count.deflection_error.unwrap_or(of_steps), all.deflection)
         } else {

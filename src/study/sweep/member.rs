@@ -15,7 +15,7 @@ use crate::record::stress::{LargestTension, strengths};
 use crate::scene::Scene;
 
 /// Results of an impact simulation in addition to its steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Computed {
     /// Estimated error of the acceleration history over its peak; NaN if there is no estimate.
     pub error_estimate: f64,
@@ -81,8 +81,7 @@ pub fn simulate(
     let errors = estimate.total().map(|errors| errors.joined(of_theory));
     let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
     let of_tension = estimate.of_tension().joined(of_theory);
-    let first_end = contacts.all().first().map_or(f64::INFINITY, |first| first.end);
-    tension = tension.with_error(tension.error_of(&of_tension, first_end), scene);
+    tension = tension.with_error(&of_tension, scene, contacts.all().first().map(|first| first.end));
     let deflection_error = joined(estimate.of_deflection(), of_theory.deflection);
     let outcome =
         Computed { error_estimate, first_error, deflection_error, deflection_over_thickness, unknowns, tension };

@@ -20,9 +20,9 @@ use crate::form::{Material, Spread};
 use crate::scene::Scene;
 use crate::stack::{self, Layerwise, Stack};
 
-/// Smallest thickness of the impacted layer used for the radius of the disc, as a fraction of the thickness of the
-/// stack.
-const LEAST_LAYER: f64 = 0.125;
+/// Smallest thickness of the impacted layer used for the radius of the disc and for the error near edges, as a fraction
+/// of the thickness of the stack.
+pub const LEAST_LAYER: f64 = 0.125;
 
 /// Smallest Young's modulus of a layer that counts as bending, as a fraction of the largest Young's modulus.
 const STIFF: f64 = 0.1;
