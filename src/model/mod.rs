@@ -56,6 +56,8 @@ pub struct Model {
     pub unknowns: usize,
     /// Description of the unknowns, for results.
     pub discretisation: String,
+    /// Size of the cells relative to the rule of thumb for the scene.
+    pub cell_size: f64,
     /// Number of basis vectors, if the body is reduced.
     pub vectors: Option<usize>,
     /// How the short waves are represented that the basis leaves out; `None` if it has all waves.
@@ -195,7 +197,7 @@ impl Model {
     /// The model of a reduced body. Collective.
     fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
         let may_lower_shift = may_lower_shift(scene, theory, &fitted);
-        let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, .. } = fitted;
+        let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, size, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_moved_by_loads) = (projection.vectors(), is_moved_by_loads(&projection, &force.0));
         let short_waves = projection.infinite_plate.as_ref().map(|plate| match plate.rectangle {
@@ -219,6 +221,7 @@ impl Model {
         let bare = Self::bare(scene, theory, dynamics, unknowns, discretisation);
         let model =
             Self { vectors, short_waves, judge, known, gauges, measures, is_moved_by_loads, may_lower_shift, ..bare };
+        let model = Self { cell_size: size, ..model };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
             Some([of_cells, local]) if local.stress == 0.0 => model.with_error(Cause::Cells, of_cells),
@@ -235,6 +238,7 @@ impl Model {
             dynamics,
             unknowns,
             discretisation,
+            cell_size: 1.0,
             vectors: None,
             short_waves: None,
             judge: None,

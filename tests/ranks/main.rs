@@ -70,6 +70,7 @@ mod model {
     pub mod reduction;
     pub mod select_theory;
     pub mod stress;
+    pub mod supports;
     pub mod theories;
     pub mod theory_error;
     pub mod tolerances;
@@ -148,6 +149,7 @@ fn main() -> ExitCode {
         model::independent,
         model::reduction,
         model::stress,
+        model::supports,
         model::theories,
         model::theory_error,
         model::tolerances,

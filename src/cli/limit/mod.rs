@@ -23,7 +23,7 @@ use super::sweep::of_base;
 use super::{Limit, note, notes, tell, warn_of_unused_options};
 use report::Report;
 use table::{header, line};
-use trial::{Trial, trial};
+use trial::{Discretisation, Trial, trial};
 
 /// Searches for the limit; returns the exit status. It is also a valid answer that there is no limit in the range.
 /// Collective.
@@ -57,9 +57,21 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     })?;
     let interrupt = Rc::new(Interrupt::on_signals());
     let mut trials: Vec<Trial> = Vec::new();
-    let found = search(&range, scene.tolerance, |value| {
+    let run = |value: f64, discretisation: Option<&Discretisation>| {
         let (scene, source) = at(&source, &range, value)?;
-        let utilisation = trial(comm, (&scene, &source), &interrupt).map_err(|error| named(error, &range, value))?;
+        trial(comm, (&scene, &source), discretisation, &interrupt).map_err(|error| named(error, &range, value))
+    };
+    // Theory and cells are those of the end of the range with the larger tension, where errors count most. One of the ends
+    // may have no result.
+    let ends = match (run(range.from, None), run(range.to, None)) {
+        (Err(Error::Interrupted), _) | (_, Err(Error::Interrupted)) => return Err(Error::Interrupted),
+        (Err(error), Err(_)) => return Err(error),
+        (low, high) => [low.ok(), high.ok()],
+    };
+    let larger = ends.into_iter().flatten().max_by(|one, other| one.0.ratio.total_cmp(&other.0.ratio));
+    let discretisation = larger.map(|(_, discretisation)| discretisation);
+    let found = search(&range, scene.tolerance, |value| {
+        let (utilisation, _) = run(value, discretisation.as_ref())?;
         let ratio = utilisation.ratio;
         trials.push(Trial { value, utilisation });
         if let Some(last) = trials.last().filter(|_| comm.is_root()) {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::agree::of_root;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{Reading, Until};
+use crate::impact::{Cause, Errors, Reading, Until};
 use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Linearity, Model, Simulation};
 use crate::record::episodes::Episodes;
@@ -96,13 +96,48 @@ impl Utilisation {
     }
 }
 
-/// Runs a scene and returns its largest ratio of tension to strength. Collective.
+/// Theory and cells that all runs of a search share, so that the tension is a continuous function of the value.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Discretisation {
+    theory: scene::Model,
+    /// Size of the cells relative to the rule of thumb.
+    cell_size: f64,
+    /// Estimated error of the theory, if it was selected.
+    of_theory: Errors,
+}
+
+impl Discretisation {
+    /// The scene with this theory and these cells.
+    fn of(&self, scene: &Scene) -> Scene {
+        let body = scene::Body { model: self.theory, ..scene.body.clone() };
+        Scene { body, cell_factor: scene.cell_factor * self.cell_size, keeps_cells: true, ..scene.clone() }
+    }
+}
+
+/// Runs a scene and returns its largest ratio of tension to strength, and its discretisation: the given one, or the one that
+/// was selected. Collective.
 ///
 /// # Errors
 /// Same as a run; [`Error::Usage`] if no face has a strength.
-pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: &Rc<Interrupt>) -> Result<Utilisation> {
+pub(super) fn trial(
+    comm: &Comm,
+    (scene, source): (&Scene, &Source),
+    given: Option<&Discretisation>,
+    interrupt: &Rc<Interrupt>,
+) -> Result<(Utilisation, Discretisation)> {
     let follower = Follower::new(comm, interrupt.clone());
-    let model = Model::watched(comm, scene, &follower).map_err(|error| error.in_scene(source))?;
+    let shared = given.map(|given| given.of(scene));
+    let scene = shared.as_ref().unwrap_or(scene);
+    let mut model = Model::watched(comm, scene, &follower).map_err(|error| error.in_scene(source))?;
+    let own = || Discretisation {
+        theory: model.theory,
+        cell_size: model.cell_size,
+        of_theory: model.error.of(Cause::Theory).unwrap_or_default(),
+    };
+    let discretisation = given.copied().unwrap_or_else(own);
+    if given.is_some() {
+        model.error = model.error.with(Cause::Theory, discretisation.of_theory);
+    }
     let mut warnings = Vec::new();
     if let Some(Verdict { message, is_useless }) = verdict(&model, scene) {
         if is_useless {
@@ -160,7 +195,7 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     if most.ratio.is_nan() {
         return Err(Error::Solve("no tension was found on a face that has a strength".to_owned()));
     }
-    Ok(most)
+    Ok((most, discretisation))
 }
 
 /// Message for a theory without faces.
