@@ -17,5 +17,5 @@ pub use hertz::Hertz;
 pub use law::{Damped, Law};
 pub use localization::{Footprint, LARGEST_PHASE, Localization};
 pub use radius::{Patch, Reason};
-pub(crate) use radius::{limits, unit_compliance};
+pub(crate) use radius::{dent, limits, unit_compliance};
 pub use table::Table;

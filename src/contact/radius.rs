@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use super::{Hertz, hertz, zener};
-use crate::form::Material;
+use crate::form::{ContactArea, Material};
 use crate::scene::Impactor;
 
 /// Default radius of a patch over the thickness: an error of 0.16% by [`Patch::error`].
@@ -33,6 +33,8 @@ pub struct Patch {
     /// Radius at which the contact stiffness vanishes at the largest indentation of an impact on a half-space, m. The
     /// body gives way, so a run may be valid with a smaller radius.
     pub limit_radius: f64,
+    /// Whether the contact has Hertz's law.
+    pub has_hertz_law: bool,
 }
 
 /// Requirement that determined the radius of a patch.
@@ -40,6 +42,8 @@ pub struct Patch {
 pub enum Reason {
     /// The radius is given in the scene.
     Scene,
+    /// The radius is the [equivalent one](ContactArea::equivalent_radius) of an area that is given in the scene.
+    Area,
     /// A quarter of the thickness: the body near the patch must resemble the half-space whose local indentation is
     /// subtracted.
     Thickness,
@@ -52,9 +56,10 @@ pub enum Reason {
 }
 
 impl Patch {
-    /// Relative error of the peak force due to the finite thickness: about 0.025 (r_p/h)².
-    pub fn error(&self) -> f64 {
-        0.025 * (self.radius / self.thickness).powi(2)
+    /// Relative error of the peak force due to the finite thickness: about 0.025 (r_p/h)². `None` if the contact has another
+    /// law than Hertz's, which does not assume a contact that is small compared with the thickness.
+    pub fn error(&self) -> Option<f64> {
+        self.has_hertz_law.then(|| 0.025 * (self.radius / self.thickness).powi(2))
     }
 
     /// Tension on the opposite face that a force F at one point causes in excess of the force over the patch, times h²/F:
@@ -80,7 +85,7 @@ impl Patch {
     }
 
     /// Chooses the largest radius required by thickness, cells and contact.
-    pub(crate) fn choose(thickness: f64, cell: f64, limit_radius: f64) -> Self {
+    pub(crate) fn choose(thickness: f64, cell: f64, limit_radius: f64, has_hertz_law: bool) -> Self {
         let (mut radius, mut reason) = (PATCH_RADIUS_OVER_THICKNESS * thickness, Reason::Thickness);
         for (least, of) in [(CELLS * cell, Reason::Cells), (MARGIN * limit_radius, Reason::Contact)] {
             // A mesh made for a quarter of the thickness meets the requirement up to rounding.
@@ -88,7 +93,7 @@ impl Patch {
                 (radius, reason) = (least, of);
             }
         }
-        Self { radius, disc: radius, reason, thickness, cell, limit_radius }
+        Self { radius, disc: radius, reason, thickness, cell, limit_radius, has_hertz_law }
     }
 
     /// The patch with its radius reduced to the room on the surface.
@@ -107,6 +112,12 @@ pub(crate) fn unit_compliance(struck: &Material, cosine: f64) -> f64 {
     let nu = struck.poisson;
     let normal = cosine * cosine;
     0.6 * (1.0 - nu * nu) / struck.young * (normal + (1.0 - normal) * (2.0 - nu) / (2.0 - 2.0 * nu))
+}
+
+/// Mean displacement of a half-space along a unit vector under 1 N along that vector on an area, weighted by the pressure,
+/// m/N. `cosine` is the cosine of the angle between the vector and the normal.
+pub(crate) fn dent(area: &ContactArea, struck: &Material, cosine: f64) -> f64 {
+    unit_compliance(struck, cosine) * area.dent_over_hertz() / area.half_width
 }
 
 /// Radii at which the contact stiffness vanishes, 1 = c_l F′(α), m: at the largest indentation on a half-space, and at
@@ -160,7 +171,7 @@ mod tests {
             (0.02, 0.001, 4.4e-3, 5.5e-3, Reason::Contact),
             (0.02, 0.004, 4.4e-3, 8e-3, Reason::Cells),
         ] {
-            let patch = Patch::choose(thickness, cell, limit);
+            let patch = Patch::choose(thickness, cell, limit, true);
             assert!((patch.radius / radius - 1.0).abs() < 1e-12 && patch.reason == reason, "{patch:?}");
             assert!(!patch.is_coarse() && !patch.is_critical(), "{patch:?}");
         }

@@ -64,7 +64,7 @@ pub fn pressure_rule(centre: [f64; 2], radius: f64, lines: [&[f64]; 2]) -> Vec<(
 }
 
 /// Returns the places within ±`most` and within the grid, ascending, without duplicates up to rounding.
-fn pieces(places: impl Iterator<Item = f64>, lines: &[f64], most: f64) -> Vec<f64> {
+pub(super) fn pieces(places: impl Iterator<Item = f64>, lines: &[f64], most: f64) -> Vec<f64> {
     let (least, most) = (lines[0].max(-most), lines[lines.len() - 1].min(most));
     let mut places: Vec<f64> = places.filter(|x| (least..=most).contains(x)).collect();
     places.sort_by(f64::total_cmp);

@@ -8,6 +8,7 @@
 //!
 //! Numbers in parentheses, such as (4), are equations of the paper cited in docs/scene.md.
 
+mod area;
 mod disc;
 pub mod elastic;
 pub mod layerwise;
@@ -23,6 +24,7 @@ pub mod stress;
 mod surface;
 pub mod tensor;
 
+pub use area::{AreaShape, ContactArea};
 pub use disc::{hertz_terms, hertz_wave, pressure_rule};
 pub use lumping::lump;
 pub use pad::{Foundation, PadElement, PadPoint, pressed_depth};

@@ -1,7 +1,8 @@
-//! Quadrature of Hertz's pressure over a disc, for the shape functions of one facet.
+//! Quadrature of a pressure over a disc or a square, for the shape functions of one facet.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 
+use super::AreaShape;
 use super::polygon::{Line, angles, crossing, edges, is_convex_counter_clockwise};
 use crate::element::{Element, Inverse, Shape, adaptive};
 
@@ -12,8 +13,8 @@ const NODES: usize = 9;
 /// rule is far smaller than the difference.
 const TOLERANCE: f64 = 1e-13;
 
-/// Load vector of p(r) = 3/(2π R²) √(1 − r²/R²), r < R, on one facet. The total over the whole disc is 1 (Johnson,
-/// Contact Mechanics, 1985, 3.4).
+/// Load vector of p(r) = 3/(2π R²) √(1 − r²/R²), r < R (Johnson, Contact Mechanics, 1985, 3.4), or of a constant pressure on a
+/// disc or a square, on one facet. The total over the whole area is 1.
 ///
 /// Polar coordinates about the disc's centre are used, with r = R sin φ: p r dr = 3/(2π) cos²φ sin φ dφ has no root at
 /// the rim. A ray crosses a convex facet between two of its edges. The crossing is a smooth function of the ray's
@@ -21,22 +22,32 @@ const TOLERANCE: f64 = 1e-13;
 /// quadrature is adaptive. So it is accurate for facets cut by the rim and for large and small facets.
 pub struct PressureForms {
     element: Element,
+    area: AreaShape,
 }
 
 impl PressureForms {
-    /// Forms for a facet shape with elements of order 1 or 2.
-    pub fn new(shape: Shape, order: usize) -> Self {
-        Self { element: Element::new(shape, order) }
+    /// Forms for a facet shape with elements of order 1 or 2, and the shape of the loaded area.
+    pub fn new(shape: Shape, order: usize, area: AreaShape) -> Self {
+        Self { element: Element::new(shape, order), area }
     }
 
     /// Computes ∫ p φ_i dA over the facet, one value per node.
     ///
-    /// `x` are the vertices in the plane of the disc, relative to its centre, in units of its radius,
+    /// `x` are the vertices in the plane of the area, relative to its centre, in units of its radius or half its side,
     /// counter-clockwise. The load is zero on a facet that is turned away, seen on edge or folded.
     pub fn load(&self, x: &[[f64; 2]], out: &mut [f64]) {
         out.fill(0.);
-        let lines: Vec<Line> = edges(x).filter_map(|(from, to)| Line::through(from, to)).collect();
-        if !is_convex_counter_clockwise(x) || lines.iter().any(|line| line.offset >= 1.) {
+        if !is_convex_counter_clockwise(x) {
+            return;
+        }
+        // A square lies within the disc through its corners, to which the facet is cut beforehand.
+        let (seen, scale) = match self.area {
+            AreaShape::EvenSquare => (cut_to_square(x), SQRT_2),
+            AreaShape::HertzDisc | AreaShape::EvenDisc => (x.to_vec(), 1.0),
+        };
+        let seen: Vec<[f64; 2]> = seen.into_iter().map(|v| v.map(|v| v / scale)).collect();
+        let lines: Vec<Line> = edges(&seen).filter_map(|(from, to)| Line::through(from, to)).collect();
+        if !is_convex_counter_clockwise(&seen) || lines.iter().any(|line| line.offset >= 1.) {
             return;
         }
         let inverse = Inverse::new(self.element.shape(), x);
@@ -49,18 +60,43 @@ impl PressureForms {
             adaptive((enters.asin(), leaves.asin()), 1e-2 * TOLERANCE, &mut |phi: f64| {
                 let r = phi.sin();
                 let mut values = [0.; NODES];
-                self.element.values(inverse.at([r * cos, r * sin]), &mut values[..self.element.nodes()]);
-                let weight = 1.5 / PI * phi.cos().powi(2) * r;
+                self.element.values(inverse.at([scale * r * cos, scale * r * sin]), &mut values[..self.element.nodes()]);
+                let weight = match self.area {
+                    AreaShape::HertzDisc => 1.5 / PI * phi.cos().powi(2) * r,
+                    AreaShape::EvenDisc => phi.cos() * r / PI,
+                    AreaShape::EvenSquare => 0.5 * phi.cos() * r,
+                };
                 values.map(|value| weight * value)
             })
         };
-        for arc in angles(x, &lines).windows(2) {
+        for arc in angles(&seen, &lines).windows(2) {
             let sum = adaptive((arc[0], arc[1]), TOLERANCE, &mut along_ray);
             for (out, sum) in out.iter_mut().zip(sum) {
                 *out += sum;
             }
         }
     }
+}
+
+/// Part of a convex polygon with |x| ≤ 1 and |y| ≤ 1 (Sutherland–Hodgman algorithm).
+fn cut_to_square(x: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut polygon = x.to_vec();
+    for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
+        let depth = |x: [f64; 2]| 1.0 - sign * x[axis];
+        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        for (from, to) in edges(&polygon) {
+            let (before, after) = (depth(from), depth(to));
+            if before >= 0.0 {
+                kept.push(from);
+            }
+            if (before > 0.0 && after < 0.0) || (before < 0.0 && after > 0.0) {
+                let part = before / (before - after);
+                kept.push([0, 1].map(|i| from[i] + (to[i] - from[i]) * part));
+            }
+        }
+        polygon = kept;
+    }
+    polygon
 }
 
 #[cfg(test)]
@@ -74,7 +110,7 @@ mod tests {
     fn moments(shape: Shape, order: usize, x: &[[f64; 2]]) -> [f64; 6] {
         let element = Element::new(shape, order);
         let mut load = vec![0.; element.nodes()];
-        PressureForms::new(shape, order).load(x, &mut load);
+        PressureForms::new(shape, order, AreaShape::HertzDisc).load(x, &mut load);
         let mut sum = [0.; 6];
         for (load, of) in load.iter().zip(element.node_vertices()) {
             let [x, y] = [0, 1].map(|axis| of.iter().map(|&v| x[v][axis]).sum::<f64>() / of.len() as f64);

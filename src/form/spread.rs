@@ -14,7 +14,9 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::disc::{hertz_wave, pressure_rule};
+use super::area::{AreaShape, ContactArea};
+use super::disc::{hertz_wave, pieces, pressure_rule};
+use crate::element::gauss_legendre;
 
 /// Smallest exponent m.
 const LOWEST: usize = 3;
@@ -22,13 +24,19 @@ const LOWEST: usize = 3;
 /// Largest x = ξR for which the transforms are evaluated by their power series.
 const SERIES: f64 = 3.0;
 
-/// Hertz's pressure, spread over a disc of radius R.
+/// Hertz's pressure, spread over a disc of radius R; or the pressure of a wide contact area itself, with R its half width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     /// Ratio r_p / R.
     ratio: f64,
     weights: [f64; 3],
+    /// Shape of the area, if the pressure is not spread. Its transform P is taken to be that of Hertz's pressure with the same
+    /// second moment: it serves corrections for waves that are short compared with such an area, which are small.
+    area: Option<ContactArea>,
 }
+
+/// Number of Gauss points along each side of a square, from line to line: exact for products of splines.
+const POINTS_OF_SQUARE: usize = 8;
 
 impl Spread {
     /// Spreads Hertz's pressure of the radius r_p over a disc of radius R, for a `ratio` r_p/R from 0 to 1.
@@ -41,23 +49,47 @@ impl Spread {
         let square = ratio * ratio;
         let hertz = Vector3::new(1.0, 0.4 * square, 8.0 / 35.0 * square * square);
         let weights = moments.lu().solve(&hertz).expect("moments of powers are independent");
-        Self { ratio, weights: weights.into() }
+        Self { ratio, weights: weights.into(), area: None }
+    }
+
+    /// Pressure of a contact area, and its radius R (m): spread over a disc of a radius (m), or as it is if it is wider.
+    pub fn of_area(area: &ContactArea, disc: f64) -> (Self, f64) {
+        let ratio = area.equivalent_radius() / disc;
+        if ratio <= 1.0 {
+            return (Self::new(ratio), disc);
+        }
+        let ratio = area.equivalent_radius() / area.half_width;
+        (Self { ratio, weights: [0.0; 3], area: Some(*area) }, area.half_width)
+    }
+
+    /// Radius (m) of the Hertzian pressure that has the transform P, if there is one.
+    pub fn as_hertz(&self) -> Option<f64> {
+        self.area.as_ref().map(ContactArea::equivalent_radius)
     }
 
     /// Ratio of p to Hertz's pressure over the same disc of radius R, at `square` = r²/R² < 1.
     pub fn over_hertz(&self, square: f64) -> f64 {
         let inside = (1.0 - square).max(0.0);
+        if let Some(area) = self.area {
+            // Quadrature points do not lie on the rim but for rounding.
+            return if area.shape == AreaShape::EvenDisc { 1.0 / (1.5 * inside.max(1e-15).sqrt()) } else { 1.0 };
+        }
         let powers = (LOWEST..).zip(self.weights).map(|(m, w)| w * m as f64 * inside.powi(m as i32 - LOWEST as i32));
         powers.sum::<f64>() * inside.powf(LOWEST as f64 - 1.5) / 1.5
     }
 
-    /// Points and weights of p over a disc within a grid (m): for each coordinate along the first axis, the coordinates
-    /// and weights along the second axis. The total weight is 1 if the grid contains the whole disc.
+    /// Points and weights of p over its disc or square within a grid (m): for each coordinate along the first axis, the coordinates
+    /// and weights along the second axis. The total weight is 1 if the grid contains all of it.
     pub fn strips(&self, centre: [f64; 2], radius: f64, lines: [&[f64]; 2]) -> Vec<(f64, Vec<(f64, f64)>)> {
         let one = |(point, weight): &([f64; 2], f64)| {
             let [x, y] = [0, 1].map(|i| (point[i] - centre[i]) / radius);
             (point[1], weight * self.over_hertz(x * x + y * y))
         };
+        if self.area.is_some_and(|area| area.shape == AreaShape::EvenSquare) {
+            let [along, across] = [0, 1].map(|axis| on_side(centre[axis], radius, lines[axis]));
+            let strip = |of: f64| across.iter().map(|(y, weight)| (*y, of * weight)).collect();
+            return along.iter().map(|(x, weight)| (*x, strip(*weight))).collect();
+        }
         let points = pressure_rule(centre, radius, lines);
         let strips = points.chunk_by(|(p, _), (q, _)| p[0] == q[0]);
         strips.map(|strip| (strip[0].0[0], strip.iter().map(one).collect())).collect()
@@ -66,6 +98,9 @@ impl Spread {
     /// Mean displacement of a half-space under p, weighted by p, divided by the same under Hertz's pressure over R: ∫P²
     /// dξ divided by (3π/5)/R.
     pub fn compliance(&self) -> f64 {
+        if let Some(area) = self.area {
+            return area.dent_over_hertz();
+        }
         let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
         let sum: f64 = pairs.map(|(i, j)| self.weights[i] * self.weights[j] * overlap(LOWEST + i, LOWEST + j)).sum();
         sum / (0.6 * PI)
@@ -94,7 +129,11 @@ impl Spread {
 
     /// Hankel transform P at x = ξR.
     pub fn transform(&self, x: f64) -> f64 {
-        if x > SERIES { self.wave(x) } else { self.hertz(x) + self.beyond_hertz(x) }
+        match self.area {
+            Some(_) => self.hertz(x),
+            None if x > SERIES => self.wave(x),
+            None => self.hertz(x) + self.beyond_hertz(x),
+        }
     }
 
     /// Pairs (m, w_m).
@@ -109,6 +148,9 @@ impl Spread {
 
     /// P² − Λ_{3/2}² at x = ξR, computed without cancellation.
     pub fn over_waves(&self, x: f64) -> f64 {
+        if self.area.is_some() {
+            return 0.0;
+        }
         let hertz = self.hertz(x);
         if x > SERIES {
             return self.wave(x).powi(2) - hertz * hertz;
@@ -134,6 +176,18 @@ impl Spread {
         }
         difference
     }
+}
+
+/// Points and weights of a constant density on a side of a square within the lines of a grid, m. The whole side has the weight 1.
+fn on_side(centre: f64, half: f64, lines: &[f64]) -> Vec<(f64, f64)> {
+    let lines: Vec<f64> = lines.iter().map(|x| (x - centre) / half).collect();
+    let ends = pieces(lines.iter().copied().chain([-1.0, 1.0]), &lines, 1.0);
+    let rule = gauss_legendre(POINTS_OF_SQUARE);
+    let of_piece = |piece: &[f64]| {
+        let (middle, reach) = (0.5 * (piece[0] + piece[1]), 0.5 * (piece[1] - piece[0]));
+        rule.iter().map(move |(t, weight)| (centre + half * (middle + reach * t), 0.5 * reach * weight)).collect::<Vec<_>>()
+    };
+    ends.windows(2).flat_map(of_piece).collect()
 }
 
 /// ∫ Λ_m Λ_n dx = √π g(m) g(n) g(m + n)/(m + n), g(m) = m!/Γ(m + ½) (Weber and Schafheitlin's integral, DLMF 10.22.57).

@@ -231,14 +231,12 @@ impl ErrorEstimate {
         self
     }
 
-    /// Adds the error of a contact patch, if there is one.
+    /// Adds the error of a contact patch, if there is one and its error is known.
     #[must_use]
     pub fn with_patch(self, patch: Option<&Patch>) -> Self {
-        match patch {
+        match patch.and_then(Patch::error) {
             // The radius of the patch changes the peak of the force. Its effect on the deflection is not known.
-            Some(patch) => {
-                self.with(Cause::Patch, Errors { deflection: f64::NAN, ..Errors::throughout(patch.error()) })
-            }
+            Some(error) => self.with(Cause::Patch, Errors { deflection: f64::NAN, ..Errors::throughout(error) }),
             None => self,
         }
     }

@@ -89,6 +89,9 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
     {
         return Err("a force at a point is for kirchhoff and solid: the others have the contact's own field".into());
     }
+    if scene.contact.area().is_some() && matches!(theory, Model::HalfSpace | Model::InfinitePlate) {
+        return Err("contact.area is given, and these formulas have no area on which a contact presses".into());
+    }
     if scene.output.has_points() && matches!(theory, Model::HalfSpace | Model::InfinitePlate) {
         return Err("probes and fields are not available for closed-form models".into());
     }

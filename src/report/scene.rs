@@ -23,7 +23,7 @@ pub fn section(data: &Data) -> Section {
             parts.push(facts("Body and material", body(&scene.body)));
             parts.extend(relaxation::tables(&scene.body));
             parts.push(supports(&scene.supports));
-            parts.push(facts("Impactor and contact", impactor(&scene.impactor)));
+            parts.push(facts("Impactor and contact", impactor(scene)));
             parts.push(loads(scene));
             parts.push(facts("Time", time(scene)));
         }
@@ -140,7 +140,7 @@ fn place(surface: &str, within: Option<Within>) -> String {
     }
 }
 
-fn impactor(impactor: &Impactor) -> Vec<Fact> {
+fn impactor(Scene { impactor, contact, .. }: &Scene) -> Vec<Fact> {
     let mut rows = vec![Fact::new("Mass", given(impactor.mass, MASS))];
     if let Some(radius) = impactor.radius {
         rows.push(Fact::new("Radius of its surface", given(radius, LENGTH)));
@@ -156,6 +156,9 @@ fn impactor(impactor: &Impactor) -> Vec<Fact> {
         rows.push(Fact::new("Weight", "acts during the run"));
     }
     rows.push(Fact::new("Contact law", law(&impactor.force_law)));
+    if let Some(area) = contact.area() {
+        rows.push(Fact::new("Contact", format!("presses {area}")));
+    }
     if impactor.damping != 0.0 {
         rows.push(Fact::new("Contact damping (Hunt & Crossley)", with_unit(plain(impactor.damping), "s/m")));
     }

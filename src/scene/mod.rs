@@ -31,6 +31,7 @@ mod values;
 use std::path::Path;
 
 use crate::contact::ForceLaw;
+use crate::form::ContactArea;
 
 pub use body::{Body, Geometry, Model, Reduction, Symmetry};
 pub use check::one_digit;
@@ -335,6 +336,16 @@ pub enum Contact {
         /// theory.
         disc: Option<f64>,
     },
+    /// Pressure on a given area, for other laws than Hertz's: α is the impactor's path less the mean displacement of the surface,
+    /// weighted by the pressure.
+    Area(ContactArea),
     /// A force at one point, as in the paper.
     Point,
+}
+
+impl Contact {
+    /// The given area, if there is one.
+    pub fn area(&self) -> Option<&ContactArea> {
+        if let Self::Area(area) = self { Some(area) } else { None }
+    }
 }

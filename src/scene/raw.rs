@@ -17,6 +17,8 @@ pub(super) const MODELS: [&str; 7] =
 pub(super) const SYMMETRIES: [&str; 3] = ["auto", "none", "quarter"];
 /// Values of `support.kind`, which has no default.
 pub(super) const KINDS: [&str; 3] = ["elastic", "pad", "clamped"];
+/// Values of `contact.pressure`.
+pub(super) const PRESSURES: [&str; 2] = ["even", "hertz"];
 /// Values of `contact.localization`.
 pub(super) const LOCALIZATIONS: [&str; 2] = ["patch", "point"];
 /// Values of `contact.law`.
@@ -229,6 +231,19 @@ pub(super) struct Impactor {
     pub gap: Option<Number>,
 }
 
+/// `contact.area`: one of `square` and `radius`.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a table as { square = 0.2 } or { radius = 0.1 }")]
+pub(super) struct Area {
+    /// Side of a square with sides along the axes of the face, m.
+    pub square: Option<Number>,
+    /// Radius of a disc, m.
+    pub radius: Option<Number>,
+    /// As `contact.pressure`.
+    #[schemars(extend("enum" = PRESSURES))]
+    pub pressure: Option<String>,
+}
+
 /// `[contact]`
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a table with the header [contact]")]
@@ -240,6 +255,11 @@ pub(super) struct Contact {
     pub patch_radius: Option<Number>,
     /// Radius of the disc on which plates and spline solids spread the force, m; by default about two thicknesses.
     pub disc_radius: Option<Number>,
+    /// Power and table only: the area of the surface on which the contact presses; by default chosen.
+    pub area: Option<Area>,
+    /// Pressure on the area: "even" (default), or "hertz" on a disc. It may stand in the area's table too.
+    #[schemars(extend("enum" = PRESSURES))]
+    pub pressure: Option<String>,
     /// "hertz" (default), "power" or "table".
     #[schemars(extend("enum" = LAWS))]
     pub law: Option<String>,

@@ -43,6 +43,8 @@ pub fn unit(path: &str) -> &'static str {
         | "impactor.drop_height"
         | "output.probes.point"
         | "contact.patch_radius"
+        | "contact.area.square"
+        | "contact.area.radius"
         | "contact.disc_radius" => "m",
         "support.stiffness" | "load.body_force" => "N/m3",
         "support.damping" => "N s/m3",

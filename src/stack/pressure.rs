@@ -44,6 +44,12 @@ pub(super) struct Plane {
 }
 
 impl Pressure {
+    /// Pressure that is spread over a disc of a radius (m). A wide area is replaced by Hertz's pressure with the same second
+    /// moment.
+    pub fn of(spread: Spread, radius: f64) -> Self {
+        spread.as_hertz().map_or(Self::Spread { spread, radius }, |radius| Self::Hertz { radius })
+    }
+
     /// Hankel transform P at a wavenumber, 1/m.
     pub fn transform(&self, wavenumber: f64) -> f64 {
         match self {

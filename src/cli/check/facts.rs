@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::contact::ForceLaw;
+use crate::contact::{ForceLaw, Reason};
 use crate::model;
 use crate::scene::Measure;
 
@@ -56,6 +56,8 @@ struct ContactFacts {
     stiffness: Option<f64>,
     duration: f64,
     peak_force: f64,
+    /// Area on which the contact presses, if it is given.
+    area: Option<String>,
     patch_radius: Option<f64>,
     disc_radius: Option<f64>,
 }
@@ -91,7 +93,11 @@ pub(super) fn json(report: &Report) -> String {
             },
             duration: contact_time(scene),
             peak_force: impactor.peak_force(),
-            patch_radius: made.and_then(|made| made.dynamics.patch()).map(|patch| patch.radius),
+            area: scene.contact.area().map(ToString::to_string),
+            patch_radius: made
+                .and_then(|made| made.dynamics.patch())
+                .filter(|patch| patch.reason != Reason::Area)
+                .map(|patch| patch.radius),
             disc_radius: made.and_then(|made| made.dynamics.footprint().disc()),
         },
         solver: cost.as_ref().map(|cost| cost.solver.as_str()),

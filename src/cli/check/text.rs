@@ -198,29 +198,31 @@ fn print_contact(scene: &Scene, footprint: Option<Footprint>) {
         1e3 * contact_time(scene),
         impactor.peak_force()
     ));
-    if scene.contact == Contact::Point {
-        say(format_args!("           at a point"));
+    match &scene.contact {
+        Contact::Point => say(format_args!("           at a point")),
+        Contact::Area(area) => say(format_args!("           presses {area}")),
+        Contact::Patch { .. } => {}
     }
     let patch = footprint.and_then(Footprint::patch);
     let is_patch = |radius: f64| patch.is_some_and(|patch| patch.radius == radius);
     if let Some(radius) = footprint.and_then(Footprint::disc).filter(|radius| !is_patch(*radius)) {
         say(format_args!("           force applied to the body over a disc of radius {} m", short(radius)));
     }
-    let Some(patch) = patch else { return };
+    let Some(patch) = patch.filter(|patch| patch.reason != Reason::Area) else { return };
     let reason = match patch.reason {
-        Reason::Scene => "as the scene says".to_owned(),
+        Reason::Scene | Reason::Area => "as the scene says".to_owned(),
         Reason::Thickness => format!("a quarter of the thickness of {:.4} m", patch.thickness),
         Reason::Cells => format!("two cells of {:.4} m", patch.cell),
         Reason::Contact => "what the contact needs".to_owned(),
         Reason::Surface => "what has room on the surface".to_owned(),
     };
     say(format_args!(
-        "patch      radius {:.4e} m, {reason}; {}",
+        "patch      radius {:.4e} m, {reason}{}",
         patch.radius,
-        if patch.is_coarse() {
-            "the cells do not resolve it".to_owned()
-        } else {
-            format!("it changes the force by about {:.1e} of its peak", patch.error())
+        match patch.error() {
+            _ if patch.is_coarse() => "; the cells do not resolve it".to_owned(),
+            Some(error) => format!("; it changes the force by about {error:.1e} of its peak"),
+            None => String::new(),
         }
     ));
 }

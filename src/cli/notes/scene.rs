@@ -87,7 +87,7 @@ fn smaller_patch(scene: &Scene, patch: &Patch) -> &'static str {
             "; smaller cells at the impact point give a smaller patch: make the mesh finer there"
         }
         (Reason::Scene, _) => "; a smaller contact.patch_radius lowers it",
-        (Reason::Thickness | Reason::Contact | Reason::Surface, _) => "",
+        (Reason::Area | Reason::Thickness | Reason::Contact | Reason::Surface, _) => "",
     }
 }
 
@@ -189,17 +189,17 @@ pub fn notes(scene: &Scene, footprint: Option<Footprint>, plan: Option<&Plan>) -
             );
             add("coarse cells", patch.cell / patch.radius, text);
         }
-        if patch.error() > 0.5 * scene.tolerance {
+        if let Some(error) = patch.error().filter(|error| *error > 0.5 * scene.tolerance) {
             let text = format!(
-                "the patch is large for a thickness of {:.4} m, which may change the force by about {:.1e} of its peak{}",
+                "the patch is large for a thickness of {:.4} m, which may change the force by about {error:.1e} of its peak{}",
                 patch.thickness,
-                patch.error(),
                 smaller_patch(scene, patch)
             );
-            add("large patch", patch.error(), text);
+            add("large patch", error, text);
         }
         let lost = patch.tension_lost();
-        if scene.output.stress && matches!(scene.body.geometry, Geometry::Gmsh(_)) && lost > LOST_TENSION {
+        let is_chosen = patch.reason != Reason::Area;
+        if scene.output.stress && is_chosen && matches!(scene.body.geometry, Geometry::Gmsh(_)) && lost > LOST_TENSION {
             let per_newton = lost / patch.thickness.powi(2);
             let text = format!(
                 "the tension under the hit is computed for a force spread over a patch of radius {:.4} m. On the opposite face, a small contact causes \

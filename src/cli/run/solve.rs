@@ -182,9 +182,9 @@ fn record(
     }))
 }
 
-/// Radial tension at the edge of the contact. On a patch of a given radius the contact is Hertz's.
+/// Radial tension at the edge of the contact. On a patch of a given radius the contact is Hertz's; on a given area it is none.
 fn ring(scene: &Scene) -> Option<Ring> {
-    let curvature = scene.impactor.radius.filter(|_| scene.output.stress)?;
+    let curvature = scene.impactor.radius.filter(|_| scene.output.stress && scene.contact.area().is_none())?;
     let is_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
     let layered = scene.impactor.layered_contact().filter(|_| !is_given).cloned();
     Some(Ring { factor: (1.0 - 2.0 * scene.body.struck().poisson) / (2.0 * PI), curvature, layered })

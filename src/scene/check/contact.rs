@@ -1,10 +1,12 @@
 //! Checks the contact: where its force acts, and the force law.
 
 use super::super::values::{FileOrPoints, Number};
-use super::super::{Contact, SceneError, Source, raw};
+use super::super::{Contact, Impactor, SceneError, Source, faces, raw};
+use super::body::Outline;
 use super::numbers::show;
 use super::{table, word};
 use crate::contact::{ForceLaw, Power, Table};
+use crate::form::{AreaShape, ContactArea};
 
 /// Smallest part of the impactor's energy that a table must be able to absorb.
 const LEAST_CAPACITY: f64 = 0.01;
@@ -19,16 +21,35 @@ const LARGEST_DAMPING: f64 = 100.0;
 /// Largest exponent of a power law. Laws with a larger one act like a rigid wall.
 const LARGEST_EXPONENT: f64 = 10.0;
 
-/// Localisation of the contact force: a patch or a point.
+/// Localisation of the contact force: a patch, a given area or a point.
 ///
 /// # Errors
-/// If a radius is not positive, or if a point force has one.
-pub(super) fn localization(source: &Source, raw: &raw::Contact) -> Result<Contact, SceneError> {
+/// If a radius is not positive, if a point force has one, or if an area is not wholly on the face of a box.
+pub(super) fn localization(
+    source: &Source,
+    raw: &raw::Contact,
+    at: (&Outline, &Impactor),
+) -> Result<Contact, SceneError> {
     let kind = word(source, "contact.localization", &raw.localization, &raw::LOCALIZATIONS)?;
     let radii = [
         ("contact.patch_radius", raw.patch_radius, "the radius of the patch in m; left out, it is chosen"),
         ("contact.disc_radius", raw.disc_radius, "the radius of the disc in m; left out, it is chosen"),
     ];
+    if let Some(given) = &raw.area {
+        if let Some((path, ..)) = radii.iter().find(|(_, radius, _)| radius.is_some()) {
+            let message = "a given area takes the place of a patch and of its disc".into();
+            return Err(source.conflict(path, "contact.area", message, "take one of them out".into()));
+        }
+        if kind != "patch" {
+            let help = "take one of them out".into();
+            return Err(source.conflict("contact.area", "contact.localization", "a point has no area".into(), help));
+        }
+        return Ok(Contact::Area(area(source, given, raw, at)?));
+    }
+    if raw.pressure.is_some() {
+        let help = "`area = { square = 0.2 }` or `area = { radius = 0.1 }`, in m";
+        return Err(source.error("contact.pressure", "it is the pressure on contact.area, which is missing", help));
+    }
     if kind != "patch" {
         let Some((path, ..)) = radii.iter().find(|(_, radius, _)| radius.is_some()) else { return Ok(Contact::Point) };
         let help = "take it out, or `localization = \"patch\"`".into();
@@ -40,6 +61,60 @@ pub(super) fn localization(source: &Source, raw: &raw::Contact) -> Result<Contac
     }
     let [radius, disc] = given;
     Ok(Contact::Patch { radius, disc })
+}
+
+/// Area of the surface on which a contact presses.
+fn area(
+    source: &Source,
+    given: &raw::Area,
+    raw: &raw::Contact,
+    (outline, impactor): (&Outline, &Impactor),
+) -> Result<ContactArea, SceneError> {
+    if matches!(impactor.force_law, ForceLaw::Hertz(_)) {
+        let message = "Hertz's law has an area of its own, which grows with the force".into();
+        let help = "take it out, or give a law: \"power\" or \"table\"".into();
+        return Err(source.conflict("contact.area", "contact.law", message, help));
+    }
+    let (path, key) = match (&given.pressure, &raw.pressure) {
+        (Some(_), Some(_)) => {
+            let message = "contact.pressure gives it already".into();
+            return Err(source.conflict("contact.area.pressure", "contact.pressure", message, "take one out".into()));
+        }
+        (Some(_), None) => (&given.pressure, "contact.area.pressure"),
+        _ => (&raw.pressure, "contact.pressure"),
+    };
+    let is_even = word(source, key, path, &raw::PRESSURES)? == "even";
+    let (path, name, area) = match (given.square, given.radius) {
+        (Some(_), None) if !is_even => {
+            return Err(source.error(key, "Hertz's pressure is on a disc", "`radius` in place of `square`, or \"even\""));
+        }
+        (Some(Number(side)), None) => {
+            let path = "contact.area.square";
+            let half_width = 0.5 * source.positive(path, side, "the side of the square in m")?;
+            (path, "square", ContactArea { shape: AreaShape::EvenSquare, half_width })
+        }
+        (None, Some(Number(radius))) => {
+            let path = "contact.area.radius";
+            let half_width = source.positive(path, radius, "the radius of the disc in m")?;
+            let shape = if is_even { AreaShape::EvenDisc } else { AreaShape::HertzDisc };
+            (path, "disc", ContactArea { shape, half_width })
+        }
+        _ => return Err(source.error("contact.area", "an area is given in one way", "one of `square` and `radius`")),
+    };
+    if let Outline::Box(size) = outline {
+        let struck = faces::struck_axis(*size, impactor.point, impactor.direction);
+        let room = (0..3).filter(|axis| *axis != struck).map(|axis| 0.5 * size[axis] - impactor.point[axis].abs());
+        let room = room.fold(f64::INFINITY, f64::min);
+        if area.half_width > room * (1.0 + 1e-9) {
+            let message = format!(
+                "the {name} reaches {} m from the impact point, and the edge of the surface is {} m away",
+                show(area.half_width),
+                show(room)
+            );
+            return Err(source.error(path, message, "a smaller area, or an impact point farther from the edge"));
+        }
+    }
+    Ok(area)
 }
 
 /// Force law other than Hertz's; `None` for Hertz's law.

@@ -125,12 +125,16 @@ mod default {
     pub(super) fn planes(hit: Hit) -> [Vec<f64>; 3] {
         let Hit { size, composition, impactor, contact, order } = hit;
         let interfaces = composition.interfaces();
-        let Contact::Patch { radius, .. } = contact else {
-            let mut planes = uniform(size);
-            if !interfaces.is_empty() {
-                planes[2] = layers::uniform(&interfaces, hit.thickness());
+        let radius = match contact {
+            Contact::Patch { radius, .. } => radius,
+            Contact::Area(area) => Some(area.half_width),
+            Contact::Point => {
+                let mut planes = uniform(size);
+                if !interfaces.is_empty() {
+                    planes[2] = layers::uniform(&interfaces, hit.thickness());
+                }
+                return planes;
             }
-            return planes;
         };
         let axis = faces::struck_axis(size, impactor.point, impactor.direction);
         let longest = size.into_iter().fold(size[0], f64::max);

@@ -52,7 +52,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         .collect::<Result<Vec<_>, _>>()?;
     let load = load(source, &raw.load, &outline)?;
     let mut impactor = impactor::check(source, (&raw.impactor, &raw.contact), &composition.struck, &outline)?;
-    let contact = contact::localization(source, &raw.contact)?;
+    let contact = contact::localization(source, &raw.contact, (&outline, &impactor))?;
     let output = output::check(source, &raw, &outline)?;
     let strength = strength::check(source, &raw, &outline, (&composition, &impactor))?;
     let geometry = match outline {

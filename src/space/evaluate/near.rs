@@ -94,7 +94,7 @@ impl Hit {
 pub struct ContactSize {
     /// Radius of curvature R of Hertz's contact, m; the contact radius is √(Rα).
     pub curvature: Option<f64>,
-    /// Prescribed contact radius, m.
+    /// Prescribed contact radius (m), or the equivalent one of a prescribed area.
     pub given: f64,
     /// Contact with a stack of layers, whose radius is not Hertz's.
     pub layered: Option<Arc<LayeredContact>>,
@@ -173,6 +173,7 @@ impl ContactSize {
     pub fn new(scene: &Scene) -> Self {
         match scene.contact {
             Contact::Patch { radius: Some(given), .. } => Self { curvature: None, given, layered: None },
+            Contact::Area(area) => Self { curvature: None, given: area.equivalent_radius(), layered: None },
             _ => Self {
                 curvature: scene.impactor.radius,
                 given: 0.0,

@@ -53,6 +53,7 @@ impl Body {
                 .into());
             }
             Contact::Patch { radius, disc: None } => Localization::patch(mesh, scene, radius)?,
+            Contact::Area(area) => Localization::area(mesh, scene, &area)?,
             Contact::Point => Localization::point(mesh, &scene.impactor)?,
         };
         let description = Description::new(scene);

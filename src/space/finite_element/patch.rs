@@ -1,8 +1,9 @@
-//! Localisation by a patch: the contact force is Hertz's pressure over a disc of the surface.
+//! Localisation by a patch, on which the contact force is Hertz's pressure over a disc of the surface, or by a given area.
 //!
 //! The disc lies in the tangent plane of the surface at the impact point, and the surface is projected onto it. The
 //! same vector a applies the load and defines the displacement, so that energy and momentum balances are exact. The
 //! compliance of an elastic half-space under the patch is already contained in Hertz's law, and is subtracted by c_l.
+//! Nothing is subtracted on a given area.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +11,9 @@ use nalgebra::Vector3;
 use petsc_wrap::Int;
 
 use super::location::site;
-use crate::contact::{Footprint, Localization, Patch, Reason, limits, unit_compliance};
+use crate::contact::{Footprint, ForceLaw, Localization, Patch, Reason, limits, unit_compliance};
 use crate::error::Result;
-use crate::form::PressureForms;
+use crate::form::{AreaShape, ContactArea, PressureForms};
 use crate::mesh::{Mesh, Site};
 use crate::scene::{Fault, Scene, Vec3};
 
@@ -44,7 +45,8 @@ impl Localization {
         let density = scene.body.composition.density().unwrap_or(struck.density);
         let mass = multiplicity * density * mesh.volume();
         let (limit_radius, least) = limits(&struck, impactor, mass, thickness, unit_compliance);
-        let chosen = Patch::choose(thickness, site.cell, limit_radius);
+        let has_hertz_law = matches!(impactor.force_law, ForceLaw::Hertz(_));
+        let chosen = Patch::choose(thickness, site.cell, limit_radius, has_hertz_law);
         let axes = Axes::new(&site);
         let (patch, weights) = match radius {
             Some(radius) => (
@@ -60,6 +62,29 @@ impl Localization {
             ..Self::of_nodes(mesh, &weights, impactor.direction)?
         })
     }
+
+    /// Consistent load vector of the pressure on a given area around the impact point, times the direction of travel. The sides
+    /// of a square are along the axes in the face, where it is normal to an axis. Collective.
+    ///
+    /// # Errors
+    /// A fault of the scene, if the point is off the surface, if the direction leads out of the body, or if the area extends
+    /// beyond the surface. If a PETSc call fails.
+    pub fn area(mesh: &Mesh, scene: &Scene, area: &ContactArea) -> Result<Self> {
+        let site = site(mesh, &scene.impactor)?;
+        let (weights, share) = weights(mesh, &Axes::new(&site), area);
+        check_whole(share, "contact.area", "the area on which the contact presses")?;
+        let radius = area.equivalent_radius();
+        let footprint = Footprint::Patch(Patch {
+            radius,
+            disc: radius,
+            reason: Reason::Area,
+            thickness: scene.body.struck_thickness(mesh.thickness(&site)),
+            cell: site.cell,
+            limit_radius: 0.0,
+            has_hertz_law: false,
+        });
+        Ok(Self { footprint, ..Self::of_nodes(mesh, &weights, scene.impactor.direction)? })
+    }
 }
 
 /// Weights of a patch whose radius the scene prescribes. Collective.
@@ -71,17 +96,27 @@ fn weights_of_given(mesh: &Mesh, axes: &Axes, radius: f64, least: f64) -> Result
         );
         return Err(Fault::new(KEY, message, "a larger radius, or `localization = \"point\"`").into());
     }
-    let (weights, share) = weights(mesh, axes, radius);
+    let (weights, share) = weights(mesh, axes, &hertz_disc(radius));
+    check_whole(share, KEY, &format!("a patch of radius {radius:.3e} m"))?;
+    Ok(weights)
+}
+
+fn hertz_disc(radius: f64) -> ContactArea {
+    ContactArea { shape: AreaShape::HertzDisc, half_width: radius }
+}
+
+/// Checks that the whole load lies on the surface, once.
+fn check_whole(share: f64, key: &str, what: &str) -> Result<()> {
     if is_whole(share) {
-        return Ok(weights);
+        return Ok(());
     }
     let message = if share < 1.0 {
-        format!("only {:.2}% of a patch of radius {radius:.3e} m is on the surface", 100.0 * share)
+        format!("only {:.2}% of the load on {what} is on the surface", 100.0 * share)
     } else {
-        format!("the surface lies {share:.2} times within the patch of radius {radius:.3e} m")
+        format!("the surface lies {share:.2} times within {what}")
     };
-    let help = "a smaller radius, or an impact point farther from the edge of the surface";
-    Err(Fault::new(KEY, message, help).into())
+    let help = "a smaller one, or an impact point farther from the edge of the surface";
+    Err(Fault::new(key, message, help).into())
 }
 
 /// The patch, or the first smaller one that fits on the surface, and its weights. Collective.
@@ -92,7 +127,7 @@ fn fit(mesh: &Mesh, axes: &Axes, mut patch: Patch, least: f64) -> Result<(Patch,
     }
     // If no radius is too small, this bound ends the loop for an impact on the very edge of the surface.
     while patch.radius >= least.max(1e-6 * mesh.diameter) {
-        let (weights, share) = weights(mesh, axes, patch.radius);
+        let (weights, share) = weights(mesh, axes, &hertz_disc(patch.radius));
         if is_whole(share) {
             return Ok((patch, weights));
         }
@@ -137,9 +172,10 @@ impl Axes {
 ///
 /// Facets farther from the plane than the radius of the patch belong to another part of the surface. On a quarter of
 /// the body, a quarter of the patch carries a quarter of the force; the weights still sum to 1.
-fn weights(mesh: &Mesh, axes: &Axes, radius: f64) -> (Vec<(Int, f64)>, f64) {
+fn weights(mesh: &Mesh, axes: &Axes, area: &ContactArea) -> (Vec<(Int, f64)>, f64) {
     let facets = &mesh.facets;
-    let forms = PressureForms::new(facets.shape, facets.order);
+    let forms = PressureForms::new(facets.shape, facets.order, area.shape);
+    let radius = area.half_width;
     let mut load = vec![0.0; facets.nodes_each()];
     let (mut nodes, mut values) = (Vec::new(), Vec::new());
     for facet in 0..facets.len() {

@@ -1,5 +1,7 @@
 //! Geometry of a box modelled as a plate: its middle plane, its thickness and its impact point.
 
+use super::LEAST_DISC;
+use crate::form::ContactArea;
 use crate::scene::{Geometry, Scene, Symmetry, Vec3, faces};
 use crate::space::parity::{ParityClass, classes};
 
@@ -21,6 +23,8 @@ pub(super) struct PlateGeometry {
     pub edges: [f64; 2],
     /// Impact point relative to the centre, m.
     pub hit: [f64; 2],
+    /// Area on which the contact presses, if it is given.
+    pub area: Option<ContactArea>,
     /// Axes normal to planes of symmetry of the body; the part with positive coordinates is modelled.
     pub halved: [bool; 2],
     /// Whether the impact is symmetric about these planes too. Points are then reflected before they are evaluated.
@@ -61,10 +65,17 @@ impl PlateGeometry {
             thickness: size[normal],
             edges: axes.map(|axis| size[axis]),
             hit,
+            area: scene.contact.area().copied(),
             halved,
             is_quarter,
             classes: classes(halved, hit.map(|x| x == 0.0)),
         })
+    }
+
+    /// The given area if it is at least as wide as the narrowest disc: the stresses and the short waves of a thin plate do not
+    /// tell a narrower one from a point.
+    pub fn wide_area(&self) -> Option<&ContactArea> {
+        self.area.as_ref().filter(|area| area.equivalent_radius() >= LEAST_DISC * self.thickness)
     }
 
     /// Axes of the scene normal to planes of symmetry.

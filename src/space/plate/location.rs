@@ -5,8 +5,8 @@ use crate::form::Spread;
 use crate::form::plate::{deflection, rotation};
 use crate::form::tensor::Part;
 
-/// Localisation vector a of all symmetry classes: a point for Kirchhoff's theory, a disc for the others, with moments
-/// in addition to the deflection.
+/// Localisation vector a of all symmetry classes: a point or the given area for Kirchhoff's theory, a disc or a wide
+/// area for the others, with moments in addition to the deflection.
 pub(super) fn localization(points: &Points) -> Vec<f64> {
     let Points { geometry, section, local, laminate, .. } = points;
     match (laminate, local) {
@@ -21,6 +21,10 @@ pub(super) fn localization(points: &Points) -> Vec<f64> {
             on_disc(points, (spread, *radius), &[(1.0, deflection([0, 0])), stretch[0], stretch[1]])
         }
         (None, None) => {
+            if let Some(area) = &geometry.area {
+                let (spread, radius) = Spread::of_area(area, 0.0);
+                return on_disc(points, (&spread, radius), &[(1.0, deflection([0, 0]))]);
+            }
             let mut a = vec![0.0; points.all_unknowns()];
             points.add_point(deflection([0, 0]), geometry.hit, 1.0, &mut a);
             a
@@ -28,7 +32,7 @@ pub(super) fn localization(points: &Points) -> Vec<f64> {
     }
 }
 
-/// Contribution of a pressure on a disc of a radius (m) for derivatives of fields with their factors.
+/// Contribution of a pressure on a disc, or an area, of a radius (m) for derivatives of fields with their factors.
 fn on_disc(points: &Points, (spread, radius): (&Spread, f64), parts: &[(f64, Part<2>)]) -> Vec<f64> {
     let geometry = &points.geometry;
     let mut a = vec![0.0; points.all_unknowns()];

@@ -35,10 +35,10 @@ use super::parity::repeated;
 use super::parts;
 use super::{SurfaceTerms, rung_below};
 use crate::body::{Operator, System};
-use crate::contact::Footprint;
+use crate::contact::{Footprint, dent};
 use crate::description::Description;
 use crate::error::Result;
-use crate::form::Spread;
+use crate::form::{ContactArea, Spread};
 use crate::form::plate::{DEFLECTION, Section};
 use crate::form::tensor::{Integrals, Square};
 use crate::scene::{Fault, Scene};
@@ -232,7 +232,7 @@ impl Outline {
             Some(laminate) => laminate.section(scene),
         };
         let is_mindlin = theory == PlateTheory::Mindlin;
-        let local = is_mindlin.then(|| Local::new(&section, settings, geometry.distance_to_edge()));
+        let local = is_mindlin.then(|| Local::new(&section, settings, geometry.distance_to_edge(), geometry.area.as_ref()));
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
         let own_wave = || wavelength(&section, contact_time(&section, &scene.impactor));
         let wave = scene.body.wavelength.filter(|_| laminate.is_some()).unwrap_or_else(own_wave);
@@ -351,8 +351,9 @@ impl Plate {
             Some(radius) if compliance != 0.0 => Footprint::Disc { radius },
             _ => Footprint::Point,
         };
-        let is_known =
-            points.laminate.is_none() || settings.separates_short_waves || settings.has_echoes_in_closed_form;
+        // The short waves of a thin plate are known for a force at a point only.
+        let is_known = points.laminate.is_none() && (theory.shears() || points.geometry.wide_area().is_none())
+            || settings.separates_short_waves || settings.has_echoes_in_closed_form;
         let rate = waves::rate(scene);
         let infinite_plate = is_known.then(|| waves::of_points(&points, &description.relaxations(), rate));
         let system = System {
@@ -398,13 +399,20 @@ impl Plate {
 }
 
 impl Local {
-    fn new(section: &Section, settings: &Settings, distance_to_edge: f64) -> Self {
+    /// Under Hertz's law the dent of a half-space is part of the law; on a given area it is part of the surface's displacement.
+    fn new(section: &Section, settings: &Settings, distance_to_edge: f64, area: Option<&ContactArea>) -> Self {
         let h = section.thickness;
         let disc = settings.disc_over(h).min(distance_to_edge / h);
-        let spread = Spread::new(0.0);
+        let (spread, disc, dent) = match area {
+            None => (Spread::new(0.0), disc, 0.0),
+            Some(area) => {
+                let (spread, radius) = Spread::of_area(area, disc * h);
+                (spread, radius / h, dent(area, &section.material(), 1.0))
+            }
+        };
         let shear_factor = settings.shear_factor.unwrap_or(shear_factor(section.poisson));
         let layer = Layer { poisson: section.poisson, shear_factor, spread, disc };
-        let compliance = layer.compliance() / (section.young * h);
+        let compliance = layer.compliance() / (section.young * h) + dent;
         Self { shear_factor, spread, radius: disc * h, reading: layer.reading(), compliance }
     }
 }

@@ -286,9 +286,12 @@ impl PointEvaluator for Points {
         let mut point = [0.0; 3];
         (point[axes[0]], point[axes[1]]) = (hit[0], hit[1]);
         let (pressure, reading) = match (&self.laminate, self.local) {
-            (Some(Laminate { spread, radius, .. }), _) => (Pressure::Spread { spread: *spread, radius: *radius }, 0.0),
-            (None, None) => (Pressure::Point, 0.0),
-            (None, Some(Local { spread, radius, reading, .. })) => (Pressure::Spread { spread, radius }, reading),
+            (Some(Laminate { spread, radius, .. }), _) => (Pressure::of(*spread, *radius), 0.0),
+            (None, None) => match self.geometry.wide_area() {
+                Some(area) => (Pressure::Hertz { radius: area.equivalent_radius() }, 0.0),
+                None => (Pressure::Point, 0.0),
+            },
+            (None, Some(Local { spread, radius, reading, .. })) => (Pressure::of(spread, radius), reading),
         };
         let reading = reading * self.section.thickness.powi(2);
         let carrier = match &self.laminate {

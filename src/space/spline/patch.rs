@@ -4,7 +4,7 @@ use super::Points;
 use super::geometry::BoxGeometry;
 use super::layer::{beyond_half_space, squeezing, stack_beyond_half_space};
 use super::points::stack;
-use crate::contact::{Footprint, Patch, Reason, limits, unit_compliance};
+use crate::contact::{Footprint, ForceLaw, Patch, Reason, dent, limits, unit_compliance};
 use crate::description::Description;
 use crate::error::Result;
 use crate::form::Spread;
@@ -61,8 +61,9 @@ impl PatchModel {
         }
         let (given, given_disc) = match scene.contact {
             Contact::Patch { radius, disc } => (radius, disc),
-            Contact::Point => (None, None),
+            Contact::Area(_) | Contact::Point => (None, None),
         };
+        let area = scene.contact.area();
         let radius = given.unwrap_or(0.0);
         if radius > room * (1.0 + 1e-9) {
             let message = format!("a patch of radius {radius:.3e} m has no room at {room:.3e} m from an edge");
@@ -72,16 +73,26 @@ impl PatchModel {
         let is_layer = geometry.interfaces.is_empty() && is_stack;
         let is_plate = is_layer && room >= DISC_OVER_THICKNESS[0] * thickness;
         let bends = is_plate && scene.is_free_layer(f64::INFINITY) && is_bent(geometry, scene);
-        let half_space = unit_compliance(&struck, impactor.direction[geometry.struck]);
+        let cosine = impactor.direction[geometry.struck];
+        let half_space = unit_compliance(&struck, cosine);
+        // On a given area the dent of a half-space is no part of the law, but of the surface's displacement.
+        let dent = area.map_or(0.0, |area| dent(area, &struck, cosine));
+        let spread_over = |disc: f64| match area {
+            Some(area) => Spread::of_area(area, disc),
+            None => (Spread::new((radius / disc).min(1.0)), disc),
+        };
         let compliance = |disc: f64| {
-            let spread = Spread::new((radius / disc).min(1.0));
+            let (spread, disc) = spread_over(disc);
             let of_layer = if is_plate { beyond_half_space(&spread, struck.poisson, disc / thickness) } else { 0.0 };
             let of_squeezing = if bends { squeezing(&spread, struck.poisson, disc / thickness) } else { 0.0 };
-            half_space * spread.compliance() / disc + (of_layer - of_squeezing) / (struck.young * thickness)
+            half_space * spread.compliance() / disc - dent + (of_layer - of_squeezing) / (struck.young * thickness)
         };
         let mass = scene.body.mass().unwrap_or_default();
         // Radii of the disc at which the contact stiffness vanishes: on a half-space, and the smallest for any body.
-        let limits = |disc: f64, compliance: f64| limits(&struck, impactor, mass, thickness, disc * compliance);
+        let limits = |disc: f64, compliance: f64| match area {
+            Some(_) => (0.0, 0.0),
+            None => limits(&struck, impactor, mass, thickness, disc * compliance),
+        };
         let by_rule = DISC_OVER_THICKNESS[usize::from(!is_plate)] * thickness;
         let mut disc = given_disc.unwrap_or(by_rule).min(room).max(radius);
         let (mut wanted, mut least) = limits(disc, compliance(disc));
@@ -107,22 +118,29 @@ impl PatchModel {
         if let Some(layered) = layered {
             disc = layered.disc.min(room);
         }
-        let spread = Spread::new((radius / disc).min(1.0));
+        let own = compliance(disc);
+        let (spread, disc) = spread_over(disc);
         let parts = Description::new(scene).parts;
         let stack = stack(&parts, geometry, impactor.moduli_time()).filter(|_| is_wide_stack || has_law_of_layers);
         let of_stack = stack.map_or(0.0, |stack| stack_beyond_half_space(&stack, &spread, disc));
         // On layers without a law of their own, Hertz's law with this part may have negative stiffness on any disc. The layer
         // is then treated as a half-space.
-        let (wanted, _) = limits(disc, compliance(disc) + of_stack);
+        let (wanted, _) = limits(disc, own + of_stack);
         let is_kept = has_law_of_layers || of_stack <= 0.0 || MARGIN * wanted <= disc;
         let of_stack = if is_kept { of_stack } else { 0.0 };
         let footprint = match given {
-            Some(radius) => {
-                Footprint::Patch(Patch { radius, disc, reason: Reason::Scene, thickness, cell: 0.0, limit_radius: 0.0 })
-            }
+            Some(radius) => Footprint::Patch(Patch {
+                radius,
+                disc,
+                reason: Reason::Scene,
+                thickness,
+                cell: 0.0,
+                limit_radius: 0.0,
+                has_hertz_law: matches!(impactor.force_law, ForceLaw::Hertz(_)),
+            }),
             None => Footprint::Disc { radius: disc },
         };
-        Ok(Self { footprint, spread, disc, compliance: compliance(disc) + of_stack, bends, is_layer, is_stack })
+        Ok(Self { footprint, spread, disc, compliance: own + of_stack, bends, is_layer, is_stack })
     }
 
     /// Localisation vector a: the spread pressure on the disc of the impacted face, with total 1, times the direction.

@@ -150,7 +150,7 @@ impl PointEvaluator for Points {
 
     fn hit(&self) -> Option<Hit> {
         let body = if self.bends { Sections::BentSolid } else { Sections::Solid };
-        let pressure = Pressure::Spread { spread: self.spread, radius: self.disc };
+        let pressure = Pressure::of(self.spread, self.disc);
         let cell = Hit::cell(&self.lines, self.struck, self.hit);
         let body = match &self.stack {
             Some(stack) => HitBody::Layers(stack.clone()),

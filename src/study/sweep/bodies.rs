@@ -438,7 +438,7 @@ impl Kept {
             }
             (None, None) => Errors::default(),
         };
-        let of_patch = Errors::throughout(self.body.footprint.patch().map_or(0.0, |patch| patch.error()));
+        let of_patch = Errors::throughout(self.body.footprint.patch().and_then(|patch| patch.error()).unwrap_or(0.0));
         let all = of_basis.joined(self.of_model).joined(of_patch);
         let (error_estimate, first_error) = (joined(impact.count.error.unwrap_or(0.0), all.history), all.first_contact);
         // Given steps have no error estimate, and their error counts as 0. Adaptive steps without an estimate of the

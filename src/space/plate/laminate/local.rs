@@ -6,9 +6,9 @@
 //! impacted layer. For long waves Γ and Γ_L have the same terms in ξ⁻⁴ and ξ⁻². The remainder is a constant in the
 //! contact law,
 //!
-//! c = (1/2π) ∫ {[Γ − H] − Γ_L P²} ξ dξ,
+//! c = (1/2π) ∫ {[Γ − H] P_h² − Γ_L P²} ξ dξ,
 //!
-//! where P is the transform of the pressure on the plate.
+//! where P is the transform of the pressure on the plate, and P_h that of Hertz's pressure which it stands for.
 
 use std::f64::consts::PI;
 
@@ -32,16 +32,17 @@ pub(super) fn compliance(theory: &Layerwise, (spread, radius): (&Spread, f64), e
     let stack = theory.stack();
     let longest = (PI / edge).min(LONGEST_WAVE / stack.thickness());
     let face = LoadedFace::new(stack, radius);
+    let hertz = |xi: f64| spread.hertz(xi * radius).powi(2);
     let plate = |xi: f64| theory.face_deflection(&theory.wave(xi));
     let together = |xi: f64| {
         let plate = plate(xi);
-        (face.beyond_half_space(xi) - plate - plate * spread.over_waves(xi * radius)) * xi
+        ((face.beyond_half_space(xi) - plate) * hertz(xi) - plate * spread.over_waves(xi * radius)) * xi
     };
     let apart = (APART / radius).max(longest);
     // H ξ is constant.
     let mut sum = -face.half_space(longest) * longest * longest;
     sum += face.integrate(longest, apart, together);
-    sum += face.integrate(apart, face.half_space_from(), |xi| face.beyond_half_space(xi) * xi);
+    sum += face.integrate(apart, face.half_space_from(), |xi| face.beyond_half_space(xi) * hertz(xi) * xi);
     sum -= face.integrate(apart, END / radius, |xi| plate(xi) * spread.square(xi * radius) * xi);
     sum / (2.0 * PI)
 }

@@ -12,6 +12,7 @@ use std::f64::consts::TAU;
 use super::geometry::{NAMES, PlateGeometry};
 use super::{Settings, cells};
 use crate::body::BendingWaves;
+use crate::contact::dent;
 use crate::description::{Description, Part, Portion};
 use crate::form::layerwise::{LayerModuli, Profile};
 use crate::form::plate::Section;
@@ -68,7 +69,10 @@ impl Laminate {
         }
         let edge = geometry.edges[0].max(geometry.edges[1]);
         let compliance = local::compliance(&laminate.theory, (&laminate.spread, laminate.radius), edge);
-        Ok(Self { compliance, ..laminate })
+        let stack::Layer { young, poisson, .. } = laminate.theory.stack().layers()[0];
+        let struck = Material { young, poisson, density: 0.0 };
+        let dent = geometry.area.as_ref().map_or(0.0, |area| dent(area, &struck, 1.0));
+        Ok(Self { compliance: compliance + dent, ..laminate })
     }
 
     /// Same as [`Self::new`] without the local contact model, whose integrals take most of the time.
@@ -112,7 +116,9 @@ impl Laminate {
         } else {
             Layerwise::new(&stack)
         };
-        let (spread, radius) = (Spread::new(0.0), disc(scene, &thicknesses, geometry, settings));
+        let disc = disc(scene, &thicknesses, geometry, settings);
+        let (spread, radius) =
+            geometry.area.as_ref().map_or((Spread::new(0.0), disc), |area| Spread::of_area(area, disc));
         let density = |part: &Part| part.material.instantaneous.density;
         let mass = parts.iter().zip(&thicknesses).map(|(part, h)| density(part) * h).sum();
         let profile = Profile::new(&thicknesses, is_mirrored);
