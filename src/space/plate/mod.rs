@@ -361,6 +361,7 @@ impl Plate {
             exchange,
             factorised,
             translation: even(points.tensor.one(DEFLECTION)),
+            is_nearly_incompressible: false,
             multiplicity,
             classes,
         };
