@@ -93,6 +93,7 @@ impl LinearBody for Body {
             is_free: self.is_free()?,
             hit_stress: self.hit_stress.iter().map(entries).collect::<Result<_>>()?,
             local_stress_per_newton: self.local_stress_per_newton,
+            is_nearly_incompressible: false,
             multiplicity: self.multiplicity,
         })
     }

@@ -360,6 +360,7 @@ mod tests {
             elastic: DMatrix::from_diagonal(&DVector::from_fn(count, |i, _| modes[i].0)),
             relaxations: Vec::new(),
             rate: 0.0,
+            mode_acceleration: None,
             support: DMatrix::zeros(count, count),
             damping: None,
             force: DVector::from_fn(count, |i, _| modes[i].1),

@@ -63,6 +63,8 @@ pub struct Krylov {
     projected: Projected,
     /// Same as in [`Start`].
     rate: f64,
+    /// Same as in [`Projection`].
+    mode_acceleration: Option<f64>,
     properties: Properties,
     /// Sources of vectors, used in turn.
     sources: Vec<Source>,
@@ -102,7 +104,10 @@ impl Krylov {
         starts.zero_rows(held);
         let is_alone = starts.count() == 1;
         let rates = rates(&body.chains(), shift, end);
-        let may_recur = in_blocks && !is_damped && rates.len() == 1 && is_alone && rest.is_none();
+        let is_plain = !is_damped && rates.len() == 1 && is_alone && rest.is_none();
+        // Single precision cannot keep a volume.
+        let may_recur = in_blocks && is_plain && !properties.is_nearly_incompressible;
+        let accelerates = is_plain && properties.is_nearly_incompressible && body.chains().is_empty();
         // Single-precision vectors are orthogonalised in the end, and their rounding is small compared with a tolerance
         // that allows blocks.
         let precision = if may_recur { Precision::Single } else { Precision::Double };
@@ -133,6 +138,7 @@ impl Krylov {
             lanczos: is_recurrent.then(recurrence).transpose()?,
             projected: Projected::new(body),
             rate,
+            mode_acceleration: accelerates.then_some(shift),
             shifts,
             basis,
             damped: is_damped.then(|| DampedPairs::new(shift)),
@@ -294,6 +300,7 @@ impl Krylov {
         }
         let mut projection = self.projected.projection(body, &self.properties, &self.basis, self.rate)?;
         let plate = body.infinite_plate().filter(|_| self.leaves_short_waves);
+        projection.mode_acceleration = self.mode_acceleration;
         let rate = projection.rate;
         projection.infinite_plate = plate.map(|plate| plate.clone().with_shifts(self.shifts.len()).at_rate(rate));
         Ok(projection)

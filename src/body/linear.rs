@@ -55,6 +55,8 @@ pub struct Properties {
     pub hit_stress: Vec<Vec<f64>>,
     /// Same as [`System::local_stress_per_newton`](super::System::local_stress_per_newton).
     pub local_stress_per_newton: [f64; 3],
+    /// Same as [`System::is_nearly_incompressible`](super::System::is_nearly_incompressible).
+    pub is_nearly_incompressible: bool,
     /// Number of such bodies that form the whole.
     pub multiplicity: f64,
 }

@@ -107,6 +107,7 @@ impl LinearBody for LocalBody {
             is_free: system.support.is_none() && !is_held,
             hit_stress: system.hit_stress.clone(),
             local_stress_per_newton: system.local_stress_per_newton,
+            is_nearly_incompressible: system.is_nearly_incompressible,
             multiplicity: system.multiplicity,
         })
     }

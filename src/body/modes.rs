@@ -187,6 +187,8 @@ pub struct Spectrum {
     support_offset: f64,
     /// Vibrations in coordinates of the basis, as columns.
     vectors: DMatrix<f64>,
+    /// Shapes from which results are read in place of `vectors`, if they differ.
+    acceleration: Option<ModeAcceleration>,
     /// Stress forms on the face opposite the impact point, in coordinates of the basis, one in each row.
     hit_stress: DMatrix<f64>,
     local_stress_per_newton: [f64; 3],
@@ -202,7 +204,13 @@ pub struct Spectrum {
 impl Spectrum {
     /// Solves K y = ω² y on the basis. Viscoelastic parts have their moduli at the shift of the basis.
     pub fn new(projection: &Projection) -> Self {
-        let (squares, vectors) = symmetric_eigen(projection.stiffness_at_rate());
+        let (squares, vectors, acceleration) = match projection.mode_acceleration {
+            Some(shift) if projection.vectors() > 2 => ModeAcceleration::vibrations(projection, shift),
+            _ => {
+                let (squares, vectors) = symmetric_eigen(projection.stiffness_at_rate());
+                (squares, vectors, None)
+            }
+        };
         let along = |v: &DVector<f64>| vectors.tr_mul(v);
         let on = |m: &DMatrix<f64>| vectors.transpose() * (m * &vectors);
         let of_relaxations = projection.relaxations.iter().filter(|part| !part.chain.terms.is_empty());
@@ -235,6 +243,7 @@ impl Spectrum {
             support_offset: projection.support_offset,
             foundation,
             vectors,
+            acceleration,
             hit_stress: projection.hit_stress.clone(),
             local_stress_per_newton: projection.local_stress_per_newton,
             short_waves,
@@ -392,6 +401,10 @@ impl Spectrum {
             }
             ModalFoundation { points, inputs }
         });
+        if let Some(ModeAcceleration { shapes: accelerated, at_rest }) = &self.acceleration {
+            shapes.moving = accelerated.select_columns(&moving);
+            shapes.residual = at_rest - &shapes.moving * force.component_div(&squares);
+        }
         let forms = Forms {
             support: RowBlocks::new(&self.support, &moving),
             support_load: of_moving(&self.support_load),
@@ -407,6 +420,39 @@ impl Spectrum {
         let hit_stress =
             (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.local_stress_per_newton));
         Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress, foundation })
+    }
+}
+
+/// Displacements as the static response to the contact force and to the inertia of the vibrations (D. Williams, Displacements
+/// of a linear elastic system under a given transient load, Aeronaut. Q. 1, 1949; "mode acceleration").
+///
+/// The pressure in an incompressible body follows the force without delay, although the body does not move at once. On a
+/// basis that lacks the fastest vibrations, slower ones would share this pressure, with large parts of both signs.
+struct ModeAcceleration {
+    /// Static response to the inertia of each vibration of unit amplitude, in coordinates of the basis.
+    shapes: DMatrix<f64>,
+    /// Static response to a force of 1 N, m/N, without that of free motions.
+    at_rest: DVector<f64>,
+}
+
+impl ModeAcceleration {
+    /// Returns ω², the vibrations y and their shapes (ω² + s²) S⁻¹ M y, S = K + s²M. These are in the space of the basis
+    /// if the last vector does not take part in the vibrations.
+    fn vibrations(projection: &Projection, shift: f64) -> (DVector<f64>, DMatrix<f64>, Option<Self>) {
+        let count = projection.vectors();
+        let stiffness = projection.stiffness_at_rate();
+        let (squares, vectors) = symmetric_eigen(stiffness.view((0, 0), (count - 1, count - 1)).into_owned());
+        let vectors = vectors.resize_vertically(count, 0.0);
+        let shifted = &stiffness + DMatrix::from_diagonal_element(count, count, shift * shift);
+        let Some(factor) = shifted.cholesky() else { return (squares, vectors, None) };
+        let mut shapes = factor.solve(&vectors);
+        shapes.column_iter_mut().zip(&squares).for_each(|(mut shape, square)| shape *= square + shift * shift);
+        let (all, of_all) = symmetric_eigen(stiffness);
+        let mut at_rest = DVector::zeros(count);
+        for (shape, square) in of_all.column_iter().zip(&all).filter(|(_, square)| **square > ROUNDING * all.max()) {
+            at_rest.axpy(shape.dot(&projection.force) / square, &shape, 1.0);
+        }
+        (squares, vectors, Some(Self { shapes, at_rest }))
     }
 }
 

@@ -84,6 +84,7 @@ impl Projected {
             elastic: get(Operator::Elastic).unwrap_or_else(none),
             relaxations: relaxing.collect(),
             rate,
+            mode_acceleration: None,
             support: get(Operator::Support).unwrap_or_else(none),
             damping: get(Operator::Damping),
             force: basis.along(&properties.force),

@@ -18,6 +18,8 @@ pub struct Projection {
     pub relaxations: Vec<ProjectedRelaxation>,
     /// Shift s at which the basis was made, 1/s.
     pub rate: f64,
+    /// Shift s, 1/s, if stresses are read by mode acceleration: the basis has a single source and shift.
+    pub mode_acceleration: Option<f64>,
     /// VᵀKV of the elastic supports (11), 1/s².
     pub support: DMatrix<f64>,
     /// VᵀCV of the dampers (13), 1/s; `None` without dampers.
@@ -73,6 +75,7 @@ impl Projection {
             infinite_plate: None,
             exchange: None,
             factorised: Vec::new(),
+            is_nearly_incompressible: false,
             multiplicity: self.multiplicity,
             classes: 1,
         }
@@ -161,6 +164,7 @@ impl Projection {
             elastic: square(&self.elastic),
             relaxations: self.relaxations.iter().map(|part| part.on(square)).collect(),
             rate: self.rate,
+            mode_acceleration: self.mode_acceleration,
             support: square(&self.support),
             damping: self.damping.as_ref().map(square),
             force: head(&self.force),

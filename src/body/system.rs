@@ -62,6 +62,8 @@ pub struct System {
     /// Operators of each symmetry class as products along the axes of a grid, if these are cheaper than products with
     /// all entries. They take precedence over the matrices, which may then be empty, in bodies for products alone.
     pub factorised: Vec<(Operator, Rc<SumFactorised>)>,
+    /// Whether parts are nearly incompressible, so that stresses need mode acceleration.
+    pub is_nearly_incompressible: bool,
     /// Number of such bodies that form the whole.
     pub multiplicity: f64,
     /// Number of uncoupled symmetry classes. They are consecutive blocks of equally many unknowns, on the diagonals of

@@ -18,13 +18,26 @@ fn gradient(i: usize, j: usize) -> Part<3> {
     Part { field: i, derivatives }
 }
 
-/// Twice the elastic energy in the region `place`, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5).
-pub fn elastic(Lame { lambda, mu }: Lame, place: [Along; 3]) -> Vec<Square<3>> {
+/// Largest ratio λ/μ, that of ν = 0.45, for which the change of volume is not projected.
+const COMPRESSIBLE: f64 = 9.0;
+
+/// Part of λ (Pa) that acts on the projected change of volume. Splines of full smoothness cannot keep their volume
+/// everywhere without becoming stiff. Quadratic splines along all axes restrict them as much as the exact solution.
+pub fn projected_lambda(lame: Lame) -> f64 {
+    (lame.lambda - COMPRESSIBLE * lame.mu).max(0.0)
+}
+
+/// Twice the elastic energy in the region `place`, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5); with
+/// the projected div u for [`projected_lambda`].
+pub fn elastic(lame: Lame, place: [Along; 3]) -> Vec<Square<3>> {
+    let (Lame { lambda, mu }, of_projection) = (lame, projected_lambda(lame));
     let square = |factor: f64, parts: &[Part<3>]| Square::of_sum(factor, parts, place);
     let stretches = (0..3).map(|i| square(2.0 * mu, &[gradient(i, i)]));
     let shears = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| square(mu, &[gradient(i, j), gradient(j, i)]));
-    let volume = square(lambda, &[0, 1, 2].map(|i| gradient(i, i)));
-    stretches.chain(shears).chain([volume]).collect()
+    let divergence = [0, 1, 2].map(|i| gradient(i, i));
+    let volume = square(lambda - of_projection, &divergence);
+    let projected = Square::of_sum(of_projection, &divergence, place.map(Along::projected));
+    stretches.chain(shears).chain([volume]).chain((of_projection > 0.0).then_some(projected)).collect()
 }
 
 /// Twice the kinetic energy in the region `place`, ∫ ρ u², with u as a velocity and the density in kg/m³.

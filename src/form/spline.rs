@@ -215,6 +215,12 @@ impl Spline {
         sums
     }
 
+    /// Integrals of the functions times a polynomial of at most their degree.
+    pub fn moments(&self, polynomial: impl Fn(f64) -> f64) -> DVector<f64> {
+        let rule = self.rule(2 * self.degree, [f64::NEG_INFINITY, f64::INFINITY]);
+        rule.fold(DVector::zeros(self.functions()), |sum, (x, weight)| sum + weight * polynomial(x) * self.values(x, 0))
+    }
+
     /// Integrals of products of a derivative of these functions (rows) with a derivative of the functions of `other`
     /// (columns) on the same breaks.
     pub fn products(&self, derivative: usize, other: &Self, of_other: usize) -> DMatrix<f64> {

@@ -11,7 +11,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CsrMatrix;
 
-use super::Spline;
+use super::{Projection, Spline};
 use super::spline::WIDTH;
 pub use factorised::SumFactorised;
 use rows::Rows;
@@ -32,8 +32,22 @@ pub enum Along {
     All,
     /// Integral over the part of the axis within an interval.
     Within([f64; 2]),
+    /// Integral over the part of the axis within an interval, with the second factor projected onto quadratic splines
+    /// ([`Projection`]).
+    Projected([f64; 2]),
     /// Value at one coordinate.
     At(f64),
+}
+
+impl Along {
+    /// The same part of the axis, with projection.
+    pub fn projected(self) -> Self {
+        match self {
+            Self::All => Self::Projected([f64::NEG_INFINITY, f64::INFINITY]),
+            Self::Within(ends) => Self::Projected(ends),
+            Self::Projected(_) | Self::At(_) => self,
+        }
+    }
 }
 
 /// A symmetric bilinear form: factor · ∫ (Σ parts of u)(Σ parts of v), each part with its own factor.
@@ -215,14 +229,15 @@ impl<const D: usize> Tensor<D> {
         let values = match place {
             Along::All => t.products(e, s, d),
             Along::Within(ends) => t.products_within(ends, e, s, d),
+            Along::Projected(ends) => Projection::new(s, ends).products((t, e), (s, d)),
             Along::At(x) => t.values(x, e) * s.values(x, d).transpose(),
         };
         let met = match place {
             // Functions of one parity all overlap.
-            Along::All if s.is_folded() => vec![0..t.functions(); s.functions()],
+            Along::All | Along::Projected(_) if s.is_folded() => vec![0..t.functions(); s.functions()],
             // No function changes its sign, so two functions overlap if and only if the integral of their product is
-            // not zero.
-            Along::All | Along::Within(_) if derivatives != [0, 0] => {
+            // not zero. The first and last products with a projection have a single part, which is not zero either.
+            Along::All | Along::Within(_) | Along::Projected(_) if derivatives != [0, 0] => {
                 let values = parts.map(|part| Part { derivatives: [0; D], ..part });
                 let number = self.along(axis, place, values, integrals);
                 integrals.products(number).met.clone()
@@ -291,7 +306,7 @@ impl<const D: usize> Tensor<D> {
                 let (spline, derivative) = (&self.fields[part.field][axis], part.derivatives[axis]);
                 match place[axis] {
                     Along::All => spline.integrals(derivative),
-                    Along::Within(ends) => spline.integrals_within(ends, derivative),
+                    Along::Within(ends) | Along::Projected(ends) => spline.integrals_within(ends, derivative),
                     Along::At(at) => spline.values(at, derivative),
                 }
             });
@@ -307,6 +322,20 @@ impl<const D: usize> Tensor<D> {
         };
         let product = values.iter().fold(vec![factor], outer);
         sum[self.first(field)..].iter_mut().zip(product).for_each(|(sum, value)| *sum += value);
+    }
+
+    /// Calls `visit` with the non-zero entries of factor · x ⊗ y ⊗ … for a field, each with its unknown.
+    pub fn each_product(
+        &self,
+        field: usize,
+        values: &[DVector<f64>; D],
+        factor: f64,
+        mut visit: impl FnMut(usize, f64),
+    ) {
+        for functions in indices(values.each_ref().map(|values| within_ends(values.as_slice()))) {
+            let product = (0..D).fold(factor, |product, axis| product * values[axis][functions[axis]]);
+            visit(self.unknown(field, functions), product);
+        }
     }
 
     /// Coefficients with which a field is 1 everywhere and the others are zero.

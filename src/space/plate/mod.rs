@@ -376,6 +376,7 @@ impl Plate {
             exchange,
             factorised,
             translation: even(points.tensor.one(DEFLECTION)),
+            is_nearly_incompressible: false,
             multiplicity,
             classes,
         };

@@ -17,7 +17,7 @@ use super::{SurfaceTerms, rung_below};
 use crate::body::System;
 use crate::description::{Description, Part, Portion};
 use crate::error::Result;
-use crate::form::elastic::{VOLUME, elastic, mass};
+use crate::form::elastic::{VOLUME, elastic, mass, projected_lambda};
 use crate::form::tensor::{Along, Integrals, Square, Tensor};
 use crate::form::{Lame, Parity, Spline};
 use crate::material::Maxwell;
@@ -145,6 +145,7 @@ impl SplineSolid {
             exchange: may_exchange(&geometry, &points).then(|| exchange(&points.tensor, geometry.plane())),
             translation: translation(&points.tensor, description.direction),
             factorised: Vec::new(),
+            is_nearly_incompressible: parts.iter().any(|part| projected_lambda(part.material.relaxed()) > 0.0),
             multiplicity,
             classes: 1,
         };

@@ -2,14 +2,16 @@
 
 use crate::description::Part as BodyPart;
 use crate::element::gauss_legendre;
-use crate::form::elastic::displacement;
+use crate::form::elastic::{displacement, projected_lambda};
 use crate::form::stress::place;
-use crate::form::tensor::{Linear, Part, Tensor};
-use crate::form::{Material, Spread};
+use crate::form::tensor::{Along, Linear, Part, Tensor};
+use crate::form::{Material, Projection, Spread};
 use crate::scene::Vec3;
 use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
 use crate::stack::{Layer, Pressure, Sections, Stack, on_parabola};
+
+use nalgebra::DMatrix;
 
 use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
@@ -29,6 +31,44 @@ fn across_face(component: usize, across: usize) -> usize {
         .map_or(0, |(i, j)| usize::from(i == across) + usize::from(j == across))
 }
 
+/// Pressure that a part takes from its projected change of volume.
+#[derive(Debug, Clone)]
+struct ProjectedVolume {
+    /// Part of λ that acts on the projected change of volume, Pa.
+    lambda: f64,
+    /// Projections along the axes.
+    projections: [Projection; 3],
+    /// For each component of the displacement and each axis, the projected functions of ∂u_i/∂x_i.
+    functions: [[DMatrix<f64>; 3]; 3],
+}
+
+impl ProjectedVolume {
+    /// Pressure of a part; `None` if all of λ acts on the change of volume itself.
+    fn new(tensor: &Tensor<3>, part: &BodyPart) -> Option<Self> {
+        let lambda = projected_lambda(part.material.relaxed());
+        let ends = place_of(part).map(|along| match along {
+            Along::Within(ends) => ends,
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        });
+        let of_axis = |axis: usize| Projection::new(&tensor.splines(0)[axis], ends[axis]);
+        (lambda > 0.0).then(|| {
+            let projections = [0, 1, 2].map(of_axis);
+            let functions = [0, 1, 2].map(|i| {
+                [0, 1, 2].map(|a| projections[a].coefficients(&tensor.splines(i)[a], usize::from(a == i)))
+            });
+            Self { lambda, projections, functions }
+        })
+    }
+
+    /// Passes the entries of λ Π div u at a point to `visit`.
+    fn each_at(&self, tensor: &Tensor<3>, x: Vec3, mut visit: impl FnMut(usize, f64)) {
+        for (component, functions) in self.functions.iter().enumerate() {
+            let along = [0, 1, 2].map(|axis| self.projections[axis].values(x[axis], &functions[axis]));
+            tensor.each_product(component, &along, self.lambda, &mut visit);
+        }
+    }
+}
+
 /// Discretisation of a box that can be evaluated anywhere in the modelled part.
 #[derive(Debug, Clone)]
 pub struct Points {
@@ -36,6 +76,8 @@ pub struct Points {
     pub(super) lines: [Vec<f64>; 3],
     /// Hooke's law of each part, from below: stresses as functions of ∂u_i/∂x_j. For viscoelastic parts, at t → 0.
     laws: Vec<[[f64; 9]; 6]>,
+    /// The rest of the normal stresses of each part, if it is nearly incompressible.
+    projected: Vec<Option<ProjectedVolume>>,
     /// Heights of the interfaces between the parts, m. At an interface the law of the upper part applies, like the
     /// strains of the upper cell.
     interfaces: Vec<f64>,
@@ -66,11 +108,19 @@ impl Points {
             0 => None,
             _ => stack(parts, geometry, time),
         };
+        let projected: Vec<_> = parts.iter().map(|part| ProjectedVolume::new(&tensor, part)).collect();
+        let law = |(part, projected): (&BodyPart, &Option<ProjectedVolume>)| {
+            let mut rows = part.material.instantaneous.stress_of_gradient();
+            let lambda = projected.as_ref().map_or(0.0, |projected| projected.lambda);
+            (0..9).for_each(|k| rows[k / 3][4 * (k % 3)] -= lambda);
+            rows
+        };
         Self {
             stack,
+            laws: parts.iter().zip(&projected).map(law).collect(),
+            projected,
             tensor,
             lines,
-            laws: parts.iter().map(|part| part.material.instantaneous.stress_of_gradient()).collect(),
             interfaces: inner(&geometry.interfaces),
             spread: patch.spread,
             disc: patch.disc,
@@ -90,9 +140,23 @@ impl Points {
         [below, self.interfaces.get(number).copied().unwrap_or(half)]
     }
 
-    /// Hooke's law at a point; on top of the box, the law of its last part.
+    /// Number of the part at a point; on top of the box, of its last part.
+    fn part(&self, x: Vec3) -> usize {
+        self.interfaces.partition_point(|height| *height <= x[2])
+    }
+
+    /// Hooke's law at a point.
     fn law(&self, x: Vec3) -> &[[f64; 9]; 6] {
-        &self.laws[self.interfaces.partition_point(|height| *height <= x[2])]
+        &self.laws[self.part(x)]
+    }
+
+    /// Form of the stress at a point that Hooke's law of its part lacks, equal along all axes.
+    fn projected_at(&self, x: Vec3) -> Form {
+        let mut form = Form::new();
+        if let Some(projected) = &self.projected[self.part(x)] {
+            projected.each_at(&self.tensor, x, |unknown, value| form.push((unknown, value)));
+        }
+        form
     }
 }
 
@@ -145,6 +209,8 @@ impl PointEvaluator for Points {
             let slope = self.tensor.at_point(Part { field: i, derivatives }, x, 1.0);
             stress.iter_mut().zip(self.law(x)).for_each(|(form, row)| add(form, row[3 * i + j], &slope));
         }
+        let projected = self.projected_at(x);
+        stress[..3].iter_mut().for_each(|form| add(form, 1.0, &projected));
         Forms { displacement: self.displacement(x), stress: stress.map(summed), local: None }
     }
 
@@ -186,6 +252,8 @@ impl PointEvaluator for Points {
                 }
             });
         }
+        let projected = self.projected_at(x);
+        (0..3).filter(|axis| *axis != self.struck).for_each(|axis| add(&mut stress[axis], 1.0, &projected));
         stress
     }
 
@@ -215,6 +283,9 @@ impl PointEvaluator for Points {
                     // Shear is non-zero at the faces of a layer: the parabola with the same three moments.
                     part * on_parabola(height / thickness, (at[across] - middle) / thickness)
                 };
+                for (unknown, value) in self.projected_at(at) {
+                    (0..3).filter(|axis| *axis != across).for_each(|axis| add(axis, unknown, along * value));
+                }
                 for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
                     let mut derivatives = [0; 3];
                     derivatives[j] = 1;
