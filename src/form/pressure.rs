@@ -60,7 +60,8 @@ impl PressureForms {
             adaptive((enters.asin(), leaves.asin()), 1e-2 * TOLERANCE, &mut |phi: f64| {
                 let r = phi.sin();
                 let mut values = [0.; NODES];
-                self.element.values(inverse.at([scale * r * cos, scale * r * sin]), &mut values[..self.element.nodes()]);
+                self.element
+                    .values(inverse.at([scale * r * cos, scale * r * sin]), &mut values[..self.element.nodes()]);
                 let weight = match self.area {
                     AreaShape::HertzDisc => 1.5 / PI * phi.cos().powi(2) * r,
                     AreaShape::EvenDisc => phi.cos() * r / PI,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cell_error::{Judge, are_few, finer_size, is_unreliable};
 use super::elastic_cells;
-use super::local_field_error::local_field_errors;
+use super::local_field_error::{local_field_errors, of_hit};
 use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::trials::{Trial, Trials};
@@ -134,10 +134,11 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
     {
         return Ok(found);
     }
-    let Fitted { size, error, evaluator, .. } =
+    let Fitted { size, error, evaluator, reduced, .. } =
         refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, of_other_bases(scene), watch)?;
-    let error = error.map_or_else(Errors::default, |error| with_averaging(evaluator.as_ref(), error));
-    let local_field = local_field_errors(scene, theory, evaluator.as_ref());
+    let force = Some(&reduced.force.0);
+    let error = error.map_or_else(Errors::default, |error| with_averaging(evaluator.as_ref(), force, error));
+    let local_field = local_field_errors(scene, theory, evaluator.as_ref(), force);
     Ok(CellSize { size, error, local_field, vectors: None })
 }
 
@@ -243,10 +244,9 @@ fn allowed(scene: &Scene, others: Errors) -> f64 {
 }
 
 /// Adds the error of averaging stresses over a disc to the discretisation error. The choice of the cell size ignores it.
-pub(super) fn with_averaging(evaluator: Option<&Evaluator>, error: Errors) -> Errors {
+pub(super) fn with_averaging(evaluator: Option<&Evaluator>, force: Option<&Trace>, error: Errors) -> Errors {
     let TensionErrors { of_cells, of_width, .. } = evaluator.map(Evaluator::tension_errors).unwrap_or_default();
-    let stress = joined(of_cells, of_width);
-    error.joined(Errors { stress, stress_history: stress, ..Errors::default() })
+    error.joined(of_hit(joined(of_cells, of_width), force))
 }
 
 /// Reduces a body to a basis. `size` is the size of its cells; `vectors` are numbers of vectors that were enough on

@@ -164,8 +164,8 @@ pub(super) fn cell_size(
     Ok(found.map(|found| {
         let vectors = Some(found.first_vectors(built, scene));
         let evaluator = built.evaluator.as_ref();
-        let error = with_averaging(evaluator, found.error);
-        CellSize { size: found.size, error, local_field: local_field_errors(scene, theory, evaluator), vectors }
+        let error = with_averaging(evaluator, None, found.error);
+        CellSize { size: found.size, error, local_field: local_field_errors(scene, theory, evaluator, None), vectors }
     }))
 }
 

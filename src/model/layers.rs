@@ -89,6 +89,7 @@ pub(super) fn layered(
     };
     let thin = reduce(comm, build_thin(comm, &rough)?.body.linear(), &rough, watch)?;
     let difference = thick.reduced().force.0.difference(&thin.force.0);
+    let of_bedding = bedding_error(scene, &thick.reduced().force.0);
     let of_waves = error_of_frequencies(comm, &elastic, thick.reduced(), watch)?;
     let of_boundaries = mindlin_error_over_difference(&elastic) * difference;
     tracing::debug!(waves = of_waves.first_contact, boundaries = of_boundaries.first_contact, "error of the theory");
@@ -152,5 +153,5 @@ pub(super) fn layered(
         Model::of(comm, &left, Theory::Layerwise, watch)?
     };
     let model = Model { tolerance: accepted, ..model };
-    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(bedding_error(scene)))))
+    Ok(Some(model.with_error(Cause::Theory, of_theory.joined(of_bedding))))
 }

@@ -10,7 +10,7 @@
 //!
 //! The factors of the first two were measured (docs/numerics.md, section on cells). It is an estimate, not a bound.
 
-use crate::impact::{Errors, joined};
+use crate::impact::{Errors, Trace, joined};
 use crate::scene::{Contact, Geometry, Model, Scene};
 use crate::space::evaluate::{Evaluator, TensionErrors};
 use crate::space::plate::ShearTravelTimes;
@@ -28,11 +28,22 @@ const LINEAR_DELAY_ABOVE: f64 = 0.04;
 /// interlayers. With a radius of 1 and 2, tensions next to interlayers differed by at most 0.3%.
 const WIDEST_DISC: f64 = 2.0;
 
-/// Errors of the local field; only the tension has one.
-pub fn local_field_errors(scene: &Scene, theory: Model, evaluator: Option<&Evaluator>) -> Errors {
+/// Errors of the local field; only the tension has one. It counts as far as the stress opposite the impact point is the
+/// largest one in the `force`, if that is known.
+pub fn local_field_errors(
+    scene: &Scene,
+    theory: Model,
+    evaluator: Option<&Evaluator>,
+    force: Option<&Trace>,
+) -> Errors {
     let TensionErrors { of_edges, of_relaxation, .. } = evaluator.map(Evaluator::tension_errors).unwrap_or_default();
-    let stress = joined(joined(delay_error(scene, theory), of_edges), of_relaxation);
-    Errors { stress, ..Errors::default() }
+    of_hit(joined(joined(delay_error(scene, theory), of_edges), of_relaxation), force)
+}
+
+/// Errors of the largest tension due to a relative error of the stress opposite the impact point.
+pub(super) fn of_hit(error: f64, force: Option<&Trace>) -> Errors {
+    let largest = Errors { stress: error, stress_history: error, ..Errors::default() };
+    force.map_or(largest, |force| force.errors_of_largest_stress(error, 0.0))
 }
 
 /// Relative error of the tension due to the delay.

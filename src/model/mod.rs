@@ -205,7 +205,8 @@ impl Model {
             None => ShortWaves::WithoutEchoes,
         });
         let cells = cells.map(|error| {
-            [with_averaging(evaluator.as_ref(), error), local_field_errors(scene, theory, evaluator.as_ref())]
+            let (evaluator, force) = (evaluator.as_ref(), Some(&force.0));
+            [with_averaging(evaluator, force, error), local_field_errors(scene, theory, evaluator, force)]
         });
         let gauges = match (vectors, scene.output.is_read()) {
             (0, _) | (_, false) => None,

@@ -12,7 +12,7 @@ use petsc_wrap::Comm;
 
 use crate::contact::{hertz, zener};
 use crate::error::{Error, Result};
-use crate::impact::{Cause, Errors, beside};
+use crate::impact::{Cause, Errors, Trace, beside};
 use crate::scene::{
     Contact, Geometry, Impactor, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
 };
@@ -256,7 +256,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         });
         compared.errors
     };
-    let of_theory = of_theory.joined(bedding_error(scene));
+    let of_theory = of_theory.joined(bedding_error(scene, &thick.reduced.force.0));
     let model = match scene.time.modal {
         true => {
             let fitted = refine(comm, &modal, Theory::Mindlin, thick, of_theory, watch)?;
@@ -317,8 +317,8 @@ pub(super) fn rougher(scene: &Scene) -> Scene {
 }
 
 /// Estimated error of plates due to supports on their faces: of the compression of the thickness, and of the stresses that
-/// the bedding's pressure causes in the ply itself.
-pub(super) fn bedding_error(scene: &Scene) -> Errors {
+/// the bedding's pressure causes in the ply itself, as far as the stress there is the largest one in the `force`.
+pub(super) fn bedding_error(scene: &Scene, force: &Trace) -> Errors {
     let compression: f64 = scene.supports.iter().map(|support| thickness_compression(scene, support)).sum();
     let errors = Errors::throughout(COMPRESSION_ERROR * compression);
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return errors };
@@ -327,5 +327,5 @@ pub(super) fn bedding_error(scene: &Scene) -> Errors {
     let of_part = |part: &Part| BEDDING_STRESS_ERROR * (ply / part.bedding_length).powi(2);
     let on_faces = parts(scene).into_iter().filter(|part| part.across == axis);
     let of_stress = on_faces.map(|part| of_part(&part)).fold(0.0, f64::max);
-    errors.joined(Errors { stress: of_stress, stress_history: of_stress, ..Errors::default() })
+    errors.joined(force.errors_of_largest_stress(0.0, of_stress))
 }

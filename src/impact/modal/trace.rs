@@ -7,9 +7,6 @@ use crate::scheme::modal::quadratic;
 /// that do not change their peaks.
 const NEAR_PEAK: f64 = 0.9;
 
-/// Part of the largest stress from which a stress at a watched place counts.
-const NEAR_LARGEST: f64 = 0.9;
-
 /// Number of neighbouring values through which a cubic polynomial interpolates the deflection.
 const INTERPOLATED: usize = 4;
 
@@ -18,6 +15,24 @@ const LEAST_STEP_RATIO: f64 = 1e-6;
 
 /// Least deflection that is compared, relative to the largest distance that the impactor moves.
 const LEAST_DEFLECTION: f64 = 1e-7;
+
+/// Largest stresses at the hit and elsewhere, divided by the larger one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct PartsOfLargest {
+    /// Stress opposite the impact point.
+    hit: f64,
+    /// Stress at the other watched places.
+    elsewhere: f64,
+}
+
+impl PartsOfLargest {
+    /// Errors of the largest stress due to relative errors of the stress opposite the impact point and of the stresses
+    /// elsewhere: what an error exceeds the distance to the largest stress.
+    fn effect(&self, of_hit: f64, elsewhere: f64) -> f64 {
+        let effect = |error: f64, part: f64| (error * part - (1.0 - part)).max(0.0);
+        effect(of_hit, self.hit).max(effect(elsewhere, self.elsewhere))
+    }
+}
 
 /// Contact force F(t) on the modelled part, N, with the tension opposite the impact point.
 #[derive(Debug, Clone, Default)]
@@ -110,12 +125,39 @@ impl Trace {
         [0, 1].map(|span| {
             let (own, others) = (&self.watched[span], &other.watched[span]);
             let most = own.iter().copied().fold(at_hit, f64::max);
-            let counts = |(one, another): &(&f64, &f64)| one.max(**another) >= NEAR_LARGEST * most;
-            let off = own.iter().zip(others).filter(counts).map(|(one, another)| (one - another).abs() / most);
+            // An error at a place changes the largest stress only by what it exceeds the distance to the largest stress.
+            let off = own
+                .iter()
+                .zip(others)
+                .map(|(one, another)| ((one - another).abs() - (most - one.max(*another)).max(0.0)) / most);
             // (A missing difference at the hit is NaN, and a maximum would drop it.)
             largest = if of_hit.is_nan() { f64::NAN } else { off.fold(largest.max(of_hit * at_hit / most), f64::max) };
             largest
         })
+    }
+
+    /// Parts of the largest stress, in the first contact and in the whole run: the stress opposite the impact point, and the
+    /// largest one at watched places. 1 for the hit alone if no stresses are read.
+    fn parts_of_largest_stress(&self) -> [PartsOfLargest; 2] {
+        let end = self.first_end();
+        let first = self.tension.iter().filter(|(time, _)| *time <= end);
+        let at_hit = first.map(|(_, tension)| *tension).fold(0.0, f64::max);
+        self.watched.each_ref().map(|watched| {
+            let elsewhere = watched.iter().copied().fold(0.0, f64::max);
+            let most = at_hit.max(elsewhere);
+            if most > 0.0 {
+                PartsOfLargest { hit: at_hit / most, elsewhere: elsewhere / most }
+            } else {
+                PartsOfLargest { hit: 1.0, elsewhere: 0.0 }
+            }
+        })
+    }
+
+    /// Errors of the largest stress alone, in the first contact and in the whole run, due to relative errors of the stress
+    /// opposite the impact point and of the stresses elsewhere.
+    pub fn errors_of_largest_stress(&self, of_hit: f64, elsewhere: f64) -> Errors {
+        let [stress, stress_history] = self.parts_of_largest_stress().map(|parts| parts.effect(of_hit, elsewhere));
+        Errors { stress, stress_history, ..Errors::default() }
     }
 
     /// Largest difference in tension opposite the impact point to another trace in the first contact, relative to its

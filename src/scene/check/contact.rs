@@ -86,7 +86,11 @@ fn area(
     let is_even = word(source, key, path, &raw::PRESSURES)? == "even";
     let (path, name, area) = match (given.square, given.radius) {
         (Some(_), None) if !is_even => {
-            return Err(source.error(key, "Hertz's pressure is on a disc", "`radius` in place of `square`, or \"even\""));
+            return Err(source.error(
+                key,
+                "Hertz's pressure is on a disc",
+                "`radius` in place of `square`, or \"even\"",
+            ));
         }
         (Some(Number(side)), None) => {
             let path = "contact.area.square";

@@ -157,7 +157,7 @@ impl Start {
         let local_fields = spread(ranks, LOCAL_FIELDS, |k| {
             let scene = scene(k * last / (LOCAL_FIELDS - 1))?;
             let evaluator = scene.output.is_read().then(|| layerwise_evaluator(&scene, cells.size)).transpose()?;
-            Ok(local_field_errors(&scene, scene.body.model, evaluator.as_ref()))
+            Ok(local_field_errors(&scene, scene.body.model, evaluator.as_ref(), None))
         })?;
         let of_cells = of_cells.joined(local_fields.into_iter().fold(Errors::default(), Errors::max));
         let found = shared_basis(ranks, last, &cells, &scene, watch)?;
