@@ -177,9 +177,13 @@ fn tension_is_held_against_the_strength() {
     change(&folder.path().join("out.h5"), |file| {
         let end = file.dataset("contacts/end").unwrap().read_raw::<f64>().unwrap()[0];
         file.attr("largest_stress_time").unwrap().write_scalar(&(1.01 * end)).unwrap();
+        file.attr("stress_error_estimate").unwrap().write_scalar(&f64::NAN).unwrap();
+        let why: VarLenUnicode = "it is after the first contact".parse().unwrap();
+        file.attr("stress_without_estimate").unwrap().write_scalar(&why).unwrap();
     });
     let page = report(&folder);
-    says(&page, &["Estimated error of the largest tension: not estimated after the first contact."]);
+    says(&page, &["Estimated error of the largest tension: not estimated (it is after the first contact)."]);
+    assert_eq!(select(&page, ".verdict.good").count(), 0);
     assert!(select(&page, "body").all(|text| !text.contains("5.0 % of the peak")));
     let folder = with_strength("", f64::NAN);
     assert_eq!(select(&report(&folder), ".verdict").count(), 0);

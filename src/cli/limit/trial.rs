@@ -180,12 +180,14 @@ pub(super) fn trial(
     most.error_estimate = estimate.total().map_or(f64::NAN, |errors| errors.first_contact.max(largest.error_estimate));
     warnings.extend(summary.warning());
     warnings.extend(summary.warning_of_end());
+    let ratio = "the largest ratio of tension to strength";
+    match (largest.without_estimate.as_str(), largest.without_estimate.strip_prefix("it is ")) {
+        ("", _) => {}
+        (_, Some(place)) => warnings.push(format!("{ratio} is {place}: its error is not estimated")),
+        (why, None) => warnings.push(format!("the error of {ratio} is not estimated: {why}")),
+    }
     if !largest.without_estimate.is_empty() {
         most.error_estimate = f64::NAN;
-        warnings.push(format!(
-            "the largest ratio of tension to strength has no estimate of its error: {}",
-            largest.without_estimate
-        ));
     }
     most.without_estimate = largest.without_estimate;
     most.warnings = warnings;

@@ -1,6 +1,6 @@
 //! Reasons why a largest stress has no estimate of its error, and the verdict on the strength.
 
-use crate::scene::{CLEAR_OF_SUPPORTS, Geometry, Model, Scene, Vec3};
+use crate::scene::{CLEAR_OF_SUPPORTS, Geometry, Impactor, Model, Scene, Vec3};
 use crate::space::evaluate::{ContactSize, LEAST_MEAN};
 
 /// Verdict on the strength of a body, with its number in the file of a sweep.
@@ -69,10 +69,12 @@ fn why_hit_without_estimate(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// Radius of the contact (m) at the peak of an impact on a body that does not deflect, and its distance from the nearest
-/// edge (m), if the edge cuts the contact.
+/// Radius of the contact (m) at the peak of an impact on a body that does not deflect, and the distance of the impact
+/// point from the nearest edge (m), if the edge cuts the contact.
 pub fn contact_beyond_edge(scene: &Scene) -> Option<[f64; 2]> {
-    let radius = ContactSize::new(scene).at_peak(&scene.impactor);
+    let Impactor { radius: curvature, .. } = scene.impactor;
+    let layered = scene.impactor.layered_contact().cloned();
+    let radius = ContactSize { curvature, given: 0.0, layered }.at_peak(&scene.impactor);
     scene.distance_to_edge().filter(|distance| *distance < radius).map(|distance| [radius, distance])
 }
 
@@ -97,6 +99,29 @@ fn why_body_without_estimate(scene: &Scene) -> String {
     } else if *is_given {
         "the error of the stresses of a mesh is not estimated".to_owned()
     } else {
-        "only plates and spline solids in modal coordinates have one".to_owned()
+        "only plates and spline solids in modal coordinates have one, in a sweep with a basis of their own".to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::StrengthVerdict::{self, Exceeded, NotExceeded, Undecided};
+
+    #[test]
+    fn a_strength_is_not_exceeded_only_with_an_estimate_that_leaves_room() {
+        for (stress, error, verdict) in [
+            (0.9, 0.1, NotExceeded),
+            (0.9, 0.12, Undecided),
+            (0.9, f64::NAN, Undecided),
+            (0.9, f64::INFINITY, Undecided),
+            (f64::NAN, 0.1, Undecided),
+            (1.0, f64::NAN, Exceeded),
+            (1.1, 0.5, Exceeded),
+            (-0.5, 0.1, NotExceeded),
+            // The error of a compression is a part of its magnitude.
+            (-0.5, 3.0, Undecided),
+        ] {
+            assert_eq!(StrengthVerdict::of(stress, 1.0, error), verdict, "{stress} {error}");
+        }
     }
 }
