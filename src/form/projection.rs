@@ -86,8 +86,11 @@ mod tests {
             let values = own.complex_eigenvalues();
             assert!(values.iter().all(|value| value.re > 0.3 && value.re < 1.0 + 1e-9 && value.im.abs() < 1e-9));
             let is_beyond = |i: usize, j: usize| i.abs_diff(j) > DEGREE;
-            assert!((0..n * n).map(|k| (k / n, k % n)).all(|(i, j)| !is_beyond(i, j) || projection.dual[(i, j)] == 0.0));
-            let (mass, end) = (spline.products(0, &spline, 0).cholesky().expect("a mass matrix"), lines[lines.len() - 1]);
+            assert!(
+                (0..n * n).map(|k| (k / n, k % n)).all(|(i, j)| !is_beyond(i, j) || projection.dual[(i, j)] == 0.0)
+            );
+            let (mass, end) =
+                (spline.products(0, &spline, 0).cholesky().expect("a mass matrix"), lines[lines.len() - 1]);
             for k in 0..=2 {
                 let power = mass.solve(&spline.moments(|x| x.powi(k)));
                 for x in (0..=20).map(|i| lines[0] + (end - lines[0]) * f64::from(i) / 20.0) {

@@ -11,8 +11,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::CsrMatrix;
 
-use super::{Projection, Spline};
 use super::spline::WIDTH;
+use super::{Projection, Spline};
 pub use factorised::SumFactorised;
 use rows::Rows;
 

@@ -53,9 +53,8 @@ impl ProjectedVolume {
         let of_axis = |axis: usize| Projection::new(&tensor.splines(0)[axis], ends[axis]);
         (lambda > 0.0).then(|| {
             let projections = [0, 1, 2].map(of_axis);
-            let functions = [0, 1, 2].map(|i| {
-                [0, 1, 2].map(|a| projections[a].coefficients(&tensor.splines(i)[a], usize::from(a == i)))
-            });
+            let functions = [0, 1, 2]
+                .map(|i| [0, 1, 2].map(|a| projections[a].coefficients(&tensor.splines(i)[a], usize::from(a == i))));
             Self { lambda, projections, functions }
         })
     }
