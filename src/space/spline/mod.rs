@@ -257,8 +257,8 @@ mod tests {
     }
 
     /// For splines of degree p − 1 along one axis, strains have the order p − 1, and squared frequencies twice that
-    /// order: in a nearly incompressible body too, although the wave keeps its volume. There the projection makes the
-    /// error twice as large; splines that lock would have an error of more than 1.
+    /// order: in a nearly incompressible body too, although the wave keeps its volume. There the error is that of ν = 0.45,
+    /// twice as large as the first; without the projection it is 12% on any of these cells.
     #[test]
     fn order_of_frequencies() {
         let incompressible = Material { poisson: 0.499_999_99, ..COMPRESSIBLE };
