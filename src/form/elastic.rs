@@ -19,7 +19,7 @@ fn gradient(i: usize, j: usize) -> Part<3> {
 }
 
 /// Largest ratio λ/μ, that of ν = 0.45, for which the change of volume is not projected.
-const COMPRESSIBLE: f64 = 9.0;
+pub const COMPRESSIBLE: f64 = 9.0;
 
 /// Part of λ (Pa) that acts on the projected change of volume. Splines of full smoothness cannot keep their volume
 /// everywhere without becoming stiff. Quadratic splines along all axes restrict them as much as the exact solution.

@@ -7,6 +7,8 @@ use super::check::{one_digit, show};
 use super::decode::decode;
 use super::values::Number;
 use super::{Geometry, Parts, Scene, SceneError, Source, SupportKind, Vec3, raw};
+use crate::form::Lame;
+use crate::form::elastic::COMPRESSIBLE;
 use crate::material::{Material, Maxwell};
 
 /// Smallest plausible Young's modulus, Pa. Rubber is stiffer.
@@ -110,6 +112,17 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         let Some(Number(density)) = density else { continue };
         doubt(&key, LIGHT / density, format!("{} kg/m3 is lighter than foam", show(density)), of_density());
         doubt(&key, density / HEAVY, format!("{} kg/m3 is heavier than any metal", show(density)), of_density());
+    }
+    let has_cells = match scene.body.geometry {
+        Geometry::Box { is_given, .. } => is_given,
+        Geometry::Gmsh(_) => true,
+    };
+    let moduli = scene.body.composition.materials().into_iter().map(|material| material.instantaneous.lame());
+    let ratio = moduli.map(|Lame { lambda, mu }| lambda / mu).fold(0.0, f64::max);
+    if has_cells && scene.body.order == 1 {
+        let what = format!("elements of order 1 lock in a material with λ = {} μ", one_digit(ratio));
+        let help = "order = 2, or a box without `cells` and `order`, for splines".to_owned();
+        doubt("body.order", ratio / COMPRESSIBLE, what, help);
     }
     let of_faces = scene.strength.by_face.iter().map(|(face, strength)| (format!("strength.face.{face}"), *strength));
     let of_all = scene.strength.tension.map(|strength| ("strength.tension".to_owned(), strength));
