@@ -185,7 +185,9 @@ fn on_side(centre: f64, half: f64, lines: &[f64]) -> Vec<(f64, f64)> {
     let rule = gauss_legendre(POINTS_OF_SQUARE);
     let of_piece = |piece: &[f64]| {
         let (middle, reach) = (0.5 * (piece[0] + piece[1]), 0.5 * (piece[1] - piece[0]));
-        rule.iter().map(move |(t, weight)| (centre + half * (middle + reach * t), 0.5 * reach * weight)).collect::<Vec<_>>()
+        rule.iter()
+            .map(move |(t, weight)| (centre + half * (middle + reach * t), 0.5 * reach * weight))
+            .collect::<Vec<_>>()
     };
     ends.windows(2).flat_map(of_piece).collect()
 }

@@ -37,9 +37,9 @@ use crate::body::{Operator, System};
 use crate::contact::{Footprint, dent};
 use crate::description::Description;
 use crate::error::Result;
-use crate::form::{ContactArea, Spread};
 use crate::form::plate::{DEFLECTION, Section};
 use crate::form::tensor::{Integrals, Square};
+use crate::form::{ContactArea, Spread};
 use crate::scene::{Fault, Scene};
 
 /// Options of a plate model that are not part of a scene.
@@ -221,7 +221,8 @@ impl Outline {
             Some(laminate) => laminate.section(scene),
         };
         let is_mindlin = theory == PlateTheory::Mindlin;
-        let local = is_mindlin.then(|| Local::new(&section, settings, geometry.distance_to_edge(), geometry.area.as_ref()));
+        let local =
+            is_mindlin.then(|| Local::new(&section, settings, geometry.distance_to_edge(), geometry.area.as_ref()));
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
         let own_wave = || wavelength(&section, contact_time(&section, &scene.impactor));
         let wave = scene.body.wavelength.filter(|_| laminate.is_some()).unwrap_or_else(own_wave);
@@ -339,7 +340,8 @@ impl Plate {
         };
         // The short waves of a thin plate are known for a force at a point only.
         let is_known = points.laminate.is_none() && (theory.shears() || points.geometry.wide_area().is_none())
-            || settings.separates_short_waves || settings.has_echoes_in_closed_form;
+            || settings.separates_short_waves
+            || settings.has_echoes_in_closed_form;
         let rate = waves::rate(scene);
         let infinite_plate = is_known.then(|| waves::of_points(&points, &description.relaxations(), rate));
         let system = System {

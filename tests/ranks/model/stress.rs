@@ -37,8 +37,15 @@ const PLATES: [(&str, [f64; 2]); 2] = [
     ),
 ];
 
-const PATCH: Patch =
-    Patch { radius: 0.0, disc: 0.0, reason: Reason::Scene, thickness: 0.0, cell: 0.0, limit_radius: 0.0, has_hertz_law: true };
+const PATCH: Patch = Patch {
+    radius: 0.0,
+    disc: 0.0,
+    reason: Reason::Scene,
+    thickness: 0.0,
+    cell: 0.0,
+    limit_radius: 0.0,
+    has_hertz_law: true,
+};
 
 /// The scene of a plate with further keys.
 fn scene(plate: &str, more: &str) -> Scene {
