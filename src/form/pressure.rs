@@ -37,16 +37,14 @@ impl PressureForms {
     /// counter-clockwise. The load is zero on a facet that is turned away, seen on edge or folded.
     pub fn load(&self, x: &[[f64; 2]], out: &mut [f64]) {
         out.fill(0.);
-        if !is_convex_counter_clockwise(x) {
-            return;
+        // The disc through the corners of a square contains it.
+        let scale = if self.area == AreaShape::EvenSquare { SQRT_2 } else { 1.0 };
+        let seen: Vec<[f64; 2]> = x.iter().map(|v| v.map(|v| v / scale)).collect();
+        let mut lines: Vec<Line> = edges(&seen).filter_map(|(from, to)| Line::through(from, to)).collect();
+        if self.area == AreaShape::EvenSquare {
+            let side = |normal| Line { normal, offset: -1.0 / SQRT_2 };
+            lines.extend([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].map(side));
         }
-        // A square lies within the disc through its corners, to which the facet is cut beforehand.
-        let (seen, scale) = match self.area {
-            AreaShape::EvenSquare => (cut_to_square(x), SQRT_2),
-            AreaShape::HertzDisc | AreaShape::EvenDisc => (x.to_vec(), 1.0),
-        };
-        let seen: Vec<[f64; 2]> = seen.into_iter().map(|v| v.map(|v| v / scale)).collect();
-        let lines: Vec<Line> = edges(&seen).filter_map(|(from, to)| Line::through(from, to)).collect();
         if !is_convex_counter_clockwise(&seen) || lines.iter().any(|line| line.offset >= 1.) {
             return;
         }
@@ -77,27 +75,6 @@ impl PressureForms {
             }
         }
     }
-}
-
-/// Part of a convex polygon with |x| ≤ 1 and |y| ≤ 1 (Sutherland–Hodgman algorithm).
-fn cut_to_square(x: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut polygon = x.to_vec();
-    for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
-        let depth = |x: [f64; 2]| 1.0 - sign * x[axis];
-        let mut kept = Vec::with_capacity(polygon.len() + 1);
-        for (from, to) in edges(&polygon) {
-            let (before, after) = (depth(from), depth(to));
-            if before >= 0.0 {
-                kept.push(from);
-            }
-            if (before > 0.0 && after < 0.0) || (before < 0.0 && after > 0.0) {
-                let part = before / (before - after);
-                kept.push([0, 1].map(|i| from[i] + (to[i] - from[i]) * part));
-            }
-        }
-        polygon = kept;
-    }
-    polygon
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ pub const TESTS: &[PlainTest] = tests![
     springs_much_stiffer_than_the_body_have_one_answer,
     tables_of_other_units_are_told,
     laws_are_swept,
+    areas_are_swept_and_shown,
     a_member_beyond_its_table_leaves_the_others
 ];
 
@@ -108,6 +109,32 @@ fn laws_are_swept() {
     let rebound = members(&folder.path().join("s.h5"), "peak_acceleration");
     // More damping stops the impactor sooner.
     assert!(rebound.windows(2).all(|two| two[0] < two[1]), "{rebound:?}");
+}
+
+/// A wider area moves the mean of the surface less, so that the force is larger. `check` and the report name the area; closed
+/// formulas refuse it.
+fn areas_are_swept_and_shown() {
+    let folder = folder(SOFT);
+    std::fs::create_dir(folder.path().join("curves")).unwrap();
+    std::fs::write(folder.path().join("curves/tyre.csv"), "indentation (m),force (N)\n0,0\n0.1,1e5\n").unwrap();
+    good(
+        &folder,
+        0,
+        "sweep scene.toml --set contact.area={radius=0.1} --vary contact.area.radius=0.02,0.1,0.3 -o s.h5",
+    );
+    let peaks = members(&folder.path().join("s.h5"), "peak_force");
+    assert!(peaks.windows(2).all(|two| 1.0005 * two[0] < two[1]), "{peaks:?}");
+    let shown = good(&folder, 0, "check scene.toml --set contact.area={square=0.2}");
+    assert!(shown.stdout.contains("presses evenly on a square of 0.2 m"), "{shown:?}");
+    good(&folder, 0, "run scene.toml --set contact.area={square=0.2} -o a.h5");
+    good(&folder, 0, "report a.h5 -o a.html");
+    let page = std::fs::read_to_string(folder.path().join("a.html")).unwrap();
+    assert!(page.contains("presses evenly on a square of 0.2 m"));
+    let line =
+        "run scene.toml --set contact.area={square=0.2} --set body.model=half-space --set body.reduction= -o b.h5";
+    let outcome = run(ricochet(folder.path(), 0).args(words(line)));
+    assert_eq!(outcome.status, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("contact.area is given"), "{outcome:?}");
 }
 
 /// A member whose law ends fails already when `auto` chooses the theory for all members. The others are computed.

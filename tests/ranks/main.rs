@@ -24,6 +24,7 @@ mod mesh {
     pub mod symmetry;
 }
 mod contact {
+    pub mod area;
     pub mod laws;
     pub mod localisation;
     pub mod patch;
@@ -110,6 +111,7 @@ fn main() -> ExitCode {
         suite,
         mesh::meshes,
         mesh::symmetry,
+        contact::area,
         contact::laws,
         contact::localisation,
         contact::patch,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::contact::{ForceLaw, Reason};
+use crate::contact::ForceLaw;
 use crate::model;
 use crate::scene::Measure;
 
@@ -94,10 +94,7 @@ pub(super) fn json(report: &Report) -> String {
             duration: contact_time(scene),
             peak_force: impactor.peak_force(),
             area: scene.contact.area().map(ToString::to_string),
-            patch_radius: made
-                .and_then(|made| made.dynamics.patch())
-                .filter(|patch| patch.reason != Reason::Area)
-                .map(|patch| patch.radius),
+            patch_radius: made.and_then(|made| made.dynamics.patch()).map(|patch| patch.radius),
             disc_radius: made.and_then(|made| made.dynamics.footprint().disc()),
         },
         solver: cost.as_ref().map(|cost| cost.solver.as_str()),

@@ -36,13 +36,10 @@ pub(super) fn localization(
         ("contact.disc_radius", raw.disc_radius, "the radius of the disc in m; left out, it is chosen"),
     ];
     if let Some(given) = &raw.area {
-        if let Some((path, ..)) = radii.iter().find(|(_, radius, _)| radius.is_some()) {
-            let message = "a given area takes the place of a patch and of its disc".into();
+        let other = radii.iter().find(|(_, radius, _)| radius.is_some()).map(|(path, ..)| *path);
+        if let Some(path) = other.or((kind != "patch").then_some("contact.localization")) {
+            let message = "a given area takes the place of a patch, its disc or a point".into();
             return Err(source.conflict(path, "contact.area", message, "take one of them out".into()));
-        }
-        if kind != "patch" {
-            let help = "take one of them out".into();
-            return Err(source.conflict("contact.area", "contact.localization", "a point has no area".into(), help));
         }
         return Ok(Contact::Area(area(source, given, raw, at)?));
     }
@@ -84,7 +81,7 @@ fn area(
         _ => (&raw.pressure, "contact.pressure"),
     };
     let is_even = word(source, key, path, &raw::PRESSURES)? == "even";
-    let (path, name, area) = match (given.square, given.radius) {
+    let (path, width, shape) = match (given.square, given.radius) {
         (Some(_), None) if !is_even => {
             return Err(source.error(
                 key,
@@ -92,33 +89,26 @@ fn area(
                 "`radius` in place of `square`, or \"even\"",
             ));
         }
-        (Some(Number(side)), None) => {
-            let path = "contact.area.square";
-            let half_width = 0.5 * source.positive(path, side, "the side of the square in m")?;
-            (path, "square", ContactArea { shape: AreaShape::EvenSquare, half_width })
-        }
-        (None, Some(Number(radius))) => {
-            let path = "contact.area.radius";
-            let half_width = source.positive(path, radius, "the radius of the disc in m")?;
-            let shape = if is_even { AreaShape::EvenDisc } else { AreaShape::HertzDisc };
-            (path, "disc", ContactArea { shape, half_width })
-        }
+        (Some(Number(side)), None) => ("contact.area.square", 0.5 * side, AreaShape::EvenSquare),
+        (None, Some(Number(radius))) if is_even => ("contact.area.radius", radius, AreaShape::EvenDisc),
+        (None, Some(Number(radius))) => ("contact.area.radius", radius, AreaShape::HertzDisc),
         _ => return Err(source.error("contact.area", "an area is given in one way", "one of `square` and `radius`")),
     };
+    let half_width = source.positive(path, width, "the side of a square, or the radius of a disc, in m")?;
     if let Outline::Box(size) = outline {
         let struck = faces::struck_axis(*size, impactor.point, impactor.direction);
         let room = (0..3).filter(|axis| *axis != struck).map(|axis| 0.5 * size[axis] - impactor.point[axis].abs());
         let room = room.fold(f64::INFINITY, f64::min);
-        if area.half_width > room * (1.0 + 1e-9) {
+        if half_width > room * (1.0 + 1e-9) {
             let message = format!(
-                "the {name} reaches {} m from the impact point, and the edge of the surface is {} m away",
-                show(area.half_width),
+                "the area reaches {} m from the impact point, and the edge of the surface is {} m away",
+                show(half_width),
                 show(room)
             );
             return Err(source.error(path, message, "a smaller area, or an impact point farther from the edge"));
         }
     }
-    Ok(area)
+    Ok(ContactArea { shape, half_width })
 }
 
 /// Force law other than Hertz's; `None` for Hertz's law.

@@ -125,17 +125,15 @@ mod default {
     pub(super) fn planes(hit: Hit) -> [Vec<f64>; 3] {
         let Hit { size, composition, impactor, contact, order } = hit;
         let interfaces = composition.interfaces();
-        let radius = match contact {
-            Contact::Patch { radius, .. } => radius,
-            Contact::Area(area) => Some(area.half_width),
-            Contact::Point => {
-                let mut planes = uniform(size);
-                if !interfaces.is_empty() {
-                    planes[2] = layers::uniform(&interfaces, hit.thickness());
-                }
-                return planes;
+        if contact == Contact::Point {
+            let mut planes = uniform(size);
+            if !interfaces.is_empty() {
+                planes[2] = layers::uniform(&interfaces, hit.thickness());
             }
-        };
+            return planes;
+        }
+        let given = if let Contact::Patch { radius, .. } = contact { radius } else { None };
+        let radius = contact.area().map(|area| area.half_width).or(given);
         let axis = faces::struck_axis(size, impactor.point, impactor.direction);
         let longest = size.into_iter().fold(size[0], f64::max);
         let thinnest = size.into_iter().fold(hit.thickness(), f64::min);

@@ -262,11 +262,15 @@ impl NearHit {
         self.thickness().max(self.largest)
     }
 
-    /// Radius of the averaging disc, m: the radius of the loaded disc, or more if cells are coarse, at most the
+    /// Radius of the averaging disc, m: the radius of the loaded disc, less on a wide area, or more if cells are coarse, at most the
     /// distance to the edge.
     pub fn smoothing(&self) -> f64 {
-        let disc = self.hit.pressure.radius();
-        let disc = if disc > 0.0 { disc } else { 2.0 * self.thickness() };
+        let disc = match self.hit.pressure {
+            Pressure::Spread { radius, .. } => radius,
+            // The motion of a plate within a wide area matters where the contact is short.
+            Pressure::Hertz { radius } => radius.min(2.0 * self.thickness()),
+            Pressure::Point => 2.0 * self.thickness(),
+        };
         disc.max(CELLS * self.hit.cell).min(nearest(&self.edges))
     }
 

@@ -111,11 +111,11 @@ fn check_whole(share: f64, key: &str, what: &str) -> Result<()> {
         return Ok(());
     }
     let message = if share < 1.0 {
-        format!("only {:.2}% of the load on {what} is on the surface", 100.0 * share)
+        format!("only {:.2}% of {what} is on the surface", 100.0 * share)
     } else {
         format!("the surface lies {share:.2} times within {what}")
     };
-    let help = "a smaller one, or an impact point farther from the edge of the surface";
+    let help = "a smaller radius or side, or an impact point farther from the edge of the surface";
     Err(Fault::new(key, message, help).into())
 }
 
