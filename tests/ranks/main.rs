@@ -49,6 +49,7 @@ mod impact {
     pub mod controlled;
     pub mod equilibrium;
     pub mod extremes;
+    pub mod hits;
     pub mod interpolated;
     pub mod modal;
     pub mod newton;
@@ -129,6 +130,7 @@ fn main() -> ExitCode {
         impact::controlled,
         impact::equilibrium,
         impact::extremes,
+        impact::hits,
         impact::interpolated,
         impact::modal,
         impact::newton,
