@@ -232,9 +232,8 @@ fn earlier(
     points: &Points,
     named: impl Fn(String) -> String,
 ) -> std::result::Result<(Earlier, Summary), String> {
-    // The checkpoint does not contain the mass. It is needed for the impulse from the next step on.
-    let episodes = Episodes::new(origin.impactor_mass);
-    let mut known = Known { rows: 0, episodes, summary: Summary::default(), map: TensionMap::default() };
+    let mut known =
+        Known { rows: 0, episodes: Episodes::default(), summary: Summary::default(), map: TensionMap::default() };
     let checkpoint: &Checkpoint = &kept.checkpoint;
     known.visit(&mut Visitor::restore(checkpoint)).map_err(|error| named(error.to_string()))?;
     let Known { rows, episodes, summary, map } = known;

@@ -24,6 +24,8 @@ pub struct Summary {
     peak: (f64, f64),
     /// Energy at t = 0, J.
     initial: f64,
+    /// Largest work of the loads and of the impactor's weight, J.
+    work: f64,
     last: Step,
     linearity: Option<Linearity>,
     /// Largest deflection, m; 0 if it is not followed.
@@ -46,6 +48,7 @@ impl Summary {
         if step.number == 0 {
             self.initial = step.energy.total;
         }
+        self.work = self.work.max(step.energy.external.abs());
         if let Some(linearity) = &self.linearity {
             self.largest_deflection = self.largest_deflection.max(linearity.deflection(step));
         }
@@ -77,6 +80,7 @@ impl Summary {
         visitor.number("peak", &mut self.peak.0)?;
         visitor.number("peak_time", &mut self.peak.1)?;
         visitor.number("initial", &mut self.initial)?;
+        visitor.number("work", &mut self.work)?;
         visitor.number("largest_deflection", &mut self.largest_deflection)?;
         self.tension.visit(visitor)
     }
@@ -98,9 +102,14 @@ impl Summary {
         say(format_args!("contacts: {contacts}"));
         let energy = &self.last.energy;
         say(format_args!(
-            "energy: change by the time integration {:+.1e} of the initial {} J",
-            energy.numerical / self.initial,
+            "energy: change by the time integration {:+.1e} of the initial {} J{}",
+            energy.numerical / (self.initial + self.work),
             short(self.initial),
+            if self.work > 0.0 {
+                format!(" and the work of the loads, up to {} J", short(self.work))
+            } else {
+                String::new()
+            },
         ));
         if !cost.error_estimate.is_nan() {
             say(format_args!(

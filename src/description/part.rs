@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::material::{Material, Maxwell, Pruned, Window};
-use crate::scene::{Parts, Scene, Vec3};
+use crate::scene::{Initial, Parts, Scene, Vec3};
 
 /// Part of the body with one material.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,6 +75,7 @@ fn window(scene: &Scene) -> Window {
         end: scene.time.end,
         frequency: STRAIN_FREQUENCY_FACTOR * PI / scene.impactor.contact_time(),
         tolerance: UNFOLLOWED_SHARE * scene.tolerance,
+        begins_relaxed: scene.time.initial == Initial::Equilibrium,
     }
 }
 

@@ -22,6 +22,8 @@ pub enum Cause {
     Steps,
     /// The contact patch that replaces the true contact area.
     Patch,
+    /// Hertz's law of a half-space in a contact that is not small compared with the thickness.
+    ContactLaw,
 }
 
 impl Cause {
@@ -34,6 +36,7 @@ impl Cause {
             Self::Theory => "theory",
             Self::Steps => "steps",
             Self::Patch => "patch",
+            Self::ContactLaw => "contact law",
         }
     }
 }
@@ -272,11 +275,11 @@ impl ErrorEstimate {
     }
 
     /// Causes to be mended if the total is above the tolerance: those whose error is at least a fifth of the largest one, or,
-    /// if the theory's error or that of the local field alone is above the tolerance, those whose error is above the
-    /// tolerance and at least half of it. Finer cells do not help against these two.
+    /// if the error of the theory, the local field or the contact law alone is above the tolerance, those whose error is above
+    /// the tolerance and at least half of it. Finer cells do not help against these three.
     pub fn causes_to_mend(&self, measure: Measure, tolerance: f64) -> Vec<Cause> {
         let measure = self.known(measure);
-        let is_fixed = |cause: Cause| matches!(cause, Cause::Theory | Cause::LocalField);
+        let is_fixed = |cause: Cause| matches!(cause, Cause::Theory | Cause::LocalField | Cause::ContactLaw);
         let fixed = self.parts.iter().filter(|(cause, _)| is_fixed(*cause));
         let largest = fixed.map(|(_, errors)| errors.of(measure)).fold(0.0, f64::max);
         if largest <= tolerance {

@@ -15,6 +15,10 @@ pub struct ImpactParameters {
     pub mass: f64,
     /// Speed of the impactor at t = 0, m/s.
     pub speed: f64,
+    /// Speed of the hit with the work of the weight in the contact, m/s.
+    pub contact_speed: f64,
+    /// Duration of a contact with a half-space, s.
+    pub contact_time: f64,
     /// Distance between impactor and body at t = 0, m.
     pub gap: f64,
     /// Component of the impactor's weight along its direction of travel, N; 0 without gravity.
@@ -46,6 +50,8 @@ impl ImpactParameters {
         Self {
             mass: impactor.mass / multiplicity,
             speed: impactor.speed,
+            contact_speed: impactor.contact_speed(),
+            contact_time: impactor.contact_time(),
             gap: impactor.gap,
             weight: impactor.mass / multiplicity * impactor.gravity,
             law: Law { force_law: force_law.part(multiplicity), compliance, damping: impactor.damping },
@@ -60,10 +66,16 @@ impl ImpactParameters {
         self.law.damped(approach, rate).force
     }
 
+    /// Impulse ∫ F dt on the whole body since t = 0 at a velocity of the impactor (m/s) and a time (s), N s: the momentum that
+    /// the impactor has lost and its weight has added.
+    pub(super) fn impulse(&self, velocity: f64, time: f64) -> f64 {
+        self.multiplicity * (self.mass * (self.speed - velocity) + self.weight * time)
+    }
+
     /// Upper bound of the force, N: the largest force of the same impact on a fixed half-space, with an allowance for
     /// damping.
     pub(super) fn force_bound(&self) -> f64 {
-        self.law.force_law.peak_force(self.mass, self.speed) * (1.0 + self.law.damping * self.speed)
+        self.law.force_law.peak_force(self.mass, self.contact_speed) * (1.0 + self.law.damping * self.contact_speed)
     }
 
     /// Checks that the contact law is valid at an approach (m), its rate (m/s) and its force (N).

@@ -36,6 +36,7 @@ impl Step {
             ("surface_displacement", &mut contact.surface_displacement),
             ("approach", &mut contact.approach),
             ("rate", &mut contact.rate),
+            ("impulse", &mut contact.impulse),
             ("kinetic", &mut energy.kinetic),
             ("elastic", &mut energy.elastic),
             ("support", &mut energy.support),
@@ -75,6 +76,8 @@ pub struct Contact {
     pub approach: f64,
     /// Rate of the approach, δ̇, m/s.
     pub rate: f64,
+    /// Impulse ∫ F dt on the whole body since t = 0, N s.
+    pub impulse: f64,
 }
 
 /// Energies of the whole body, J.

@@ -26,14 +26,20 @@ pub struct Window {
     pub frequency: f64,
     /// Tolerated fraction ε of the stiffness.
     pub tolerance: f64,
+    /// Whether all terms have relaxed before the run. Terms that do not relax within the run then become one term, with the mean of
+    /// their rates, since a spring would carry a part of the load.
+    pub begins_relaxed: bool,
 }
+
+/// Longest time of the one term that replaces slow ones, over the length of the run.
+const LONGEST: f64 = 1e8;
 
 /// Chain with only the terms that are computed over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pruned {
     /// Reduced chain, with the springs included in G∞.
     pub chain: Maxwell,
-    /// Number of terms that do not relax within the run.
+    /// Number of terms that do not relax within the run and are not computed over time.
     pub springs: usize,
     /// Number of terms that relax before the contact force changes.
     pub relaxed: usize,
@@ -44,18 +50,26 @@ pub struct Pruned {
 impl Pruned {
     /// Keeps as few terms as possible: half of ε is allowed for springs, half for relaxed terms.
     pub fn new(chain: &Maxwell, window: &Window) -> Self {
-        let Window { end, frequency, tolerance } = *window;
+        let Window { end, frequency, tolerance, begins_relaxed } = *window;
         let allowed = 0.5 * tolerance * chain.at(end);
         let as_spring = |term: &Term| -(-end / term.time).exp_m1() * term.modulus;
         let left_out = |term: &Term| term.modulus / (1.0 + 1.0 / (frequency * term.time));
         let mut followed = chain.terms.clone();
         let (springs, of_springs) = take(&mut followed, allowed, as_spring);
         let (relaxed, of_relaxed) = take(&mut followed, allowed, left_out);
-        let stiff: f64 = springs.iter().map(|term| term.modulus).sum();
+        let of_rates: f64 = springs.iter().map(|term| term.modulus / term.time).sum();
+        let mut stiff: f64 = springs.iter().map(|term| term.modulus).sum();
+        let mut springs = springs.len();
+        if begins_relaxed && stiff > 0.0 {
+            // The relative change in the run remains far below any tolerance, for whatever longer times.
+            let time = (stiff / of_rates).min(LONGEST * end);
+            followed.push(Term { modulus: std::mem::take(&mut stiff), time });
+            springs -= 1;
+        }
         let bound = (of_springs + of_relaxed) / chain.at(end);
         Self {
             chain: Maxwell { equilibrium: chain.equilibrium + stiff, terms: followed },
-            springs: springs.len(),
+            springs,
             relaxed: relaxed.len(),
             // A chain with G(T) = 0 (a fluid) is not reduced.
             bound: if bound.is_finite() { bound } else { 0.0 },
@@ -153,7 +167,7 @@ mod tests {
             let largest = full.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
             let mut followed = usize::MAX;
             for tolerance in [1e-4, 1e-3, 1e-2, 1e-1] {
-                let pruned = Pruned::new(&chain, &Window { end, frequency, tolerance });
+                let pruned = Pruned::new(&chain, &Window { end, frequency, tolerance, begins_relaxed: false });
                 let part = driven(&pruned.chain, mass, run, pulse);
                 let change = full.iter().zip(&part).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / largest;
                 let bound = pruned.bound * frequency * end * std::f64::consts::FRAC_2_PI;
@@ -171,11 +185,12 @@ mod tests {
 
     #[test]
     fn words() {
-        let pruned = Pruned::new(&series(), &Window { end: 1e-3, frequency: 1e4, tolerance: 1e-2 });
+        let pruned =
+            Pruned::new(&series(), &Window { end: 1e-3, frequency: 1e4, tolerance: 1e-2, begins_relaxed: false });
         let text = pruned.to_string();
         assert!(text.starts_with("Maxwell chain of 22 terms: ") && text.ends_with(" (left out)"), "{text}");
         let one = Maxwell { equilibrium: 1e6, terms: vec![Term { modulus: 1e6, time: 1e9 }] };
-        let pruned = Pruned::new(&one, &Window { end: 1e-3, frequency: 1e4, tolerance: 1e-2 });
+        let pruned = Pruned::new(&one, &Window { end: 1e-3, frequency: 1e4, tolerance: 1e-2, begins_relaxed: false });
         assert_eq!(
             pruned.to_string(),
             "Maxwell chain of 1 term: 0 computed over time, 1 too slow to relax in this run (kept as elastic stiffness)"
@@ -188,7 +203,7 @@ mod tests {
     fn a_fluid_keeps_its_terms() {
         let terms = [1e-6, 1e-3].map(|time| Term { modulus: 1e6, time });
         let chain = Maxwell { equilibrium: 0.0, terms: terms.to_vec() };
-        let pruned = Pruned::new(&chain, &Window { end: 10.0, frequency: 1e3, tolerance: 1e-2 });
+        let pruned = Pruned::new(&chain, &Window { end: 10.0, frequency: 1e3, tolerance: 1e-2, begins_relaxed: false });
         assert_eq!((pruned.chain, pruned.bound), (chain, 0.0));
     }
 }

@@ -51,8 +51,8 @@ impl LongWaves {
             return None;
         }
         let of_error = (MEASURED / (BASIS_SHARE * scene.tolerance)).powf(1.0 / ORDER);
-        let frequency =
-            TAU * FREQUENCY_TIMES_RISE * of_error / plate.rise(scene.impactor.stiffness, scene.impactor.speed);
+        let frequency = TAU * FREQUENCY_TIMES_RISE * of_error
+            / plate.rise(scene.impactor.stiffness, scene.impactor.contact_speed());
         let all = plate.clone().with_echoes(None).vectors(frequency);
         let least = match scene.body.composition.uniform() {
             Some(_) => SHORT_WAVES_APART,

@@ -166,6 +166,10 @@ impl Model {
                 second => second?,
             };
         }
+        let of_law = scene.impactor.error_of_law();
+        if of_law > 0.0 && model.error.total().is_some() {
+            model = model.with_error(Cause::ContactLaw, Errors::throughout(of_law));
+        }
         // All errors are estimated from contact forces.
         if !model.is_moved_by_loads {
             return Ok(model);

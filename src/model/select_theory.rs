@@ -10,11 +10,11 @@ use std::f64::consts::PI;
 
 use petsc_wrap::Comm;
 
-use crate::contact::{hertz, zener};
+use crate::contact::zener;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors, Trace, beside};
 use crate::scene::{
-    Contact, Geometry, Impactor, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
+    Contact, Geometry, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
 };
 use crate::space::parts::{Part, parts};
 use crate::space::spline;
@@ -138,7 +138,8 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
         return Ok(None);
     }
     let impedance = zener::impedance(&struck, size[axis]);
-    let lambda = impactor.stiffness.powf(0.4) * impactor.speed.powf(0.2) * impactor.mass.powf(0.6) / impedance;
+    let lambda =
+        impactor.stiffness.powf(0.4) * impactor.contact_speed().powf(0.2) * impactor.mass.powf(0.6) / impedance;
     let ratio = impactor.mass / (struck.density * size.iter().product::<f64>());
     let peak = impactor.peak_force();
     let indentation = impactor.peak_indentation();
@@ -181,8 +182,7 @@ fn thickness_compression(scene: &Scene, support: &Support) -> f64 {
         SupportKind::Elastic { stiffness } | SupportKind::Pad { stiffness, .. } => stiffness[axis],
         SupportKind::Clamped { .. } => return f64::INFINITY,
     };
-    let Impactor { stiffness: of_contact, mass, speed, .. } = scene.impactor;
-    let damping = support.damping[axis] * PI / hertz::contact_time(of_contact, mass, speed);
+    let damping = support.damping[axis] * PI / scene.impactor.contact_time();
     (stiffness + damping) * scene.body.composition.compliance_across(axis, size[axis])
 }
 

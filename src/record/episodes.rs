@@ -17,25 +17,18 @@ pub struct Episode {
     pub peak_force: f64,
     /// Time of the step with the largest F, s.
     pub peak_time: f64,
-    /// Impulse ∫ F dt from the change of the impactor's momentum, N s.
+    /// Impulse ∫ F dt on the body, N s.
     pub impulse: f64,
 }
 
 /// Contact episodes of a sequence of steps.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Episodes {
-    /// Mass of the impactor, kg.
-    mass: f64,
     all: Vec<Episode>,
     last: Option<Step>,
 }
 
 impl Episodes {
-    /// Starts without episodes; `mass` is the mass of the impactor, kg.
-    pub fn new(mass: f64) -> Self {
-        Self { mass, all: Vec::new(), last: None }
-    }
-
     /// Adds the next step. Steps must come in the order of time, without gaps.
     pub fn push(&mut self, step: &Step) {
         let last = self.last.replace(*step);
@@ -57,7 +50,7 @@ impl Episodes {
             return;
         };
         if let Some(last) = last {
-            episode.impulse += self.mass * (last.impactor.velocity - step.impactor.velocity);
+            episode.impulse += step.contact.impulse - last.contact.impulse;
         }
         episode.end = match last {
             Some(last) if !is_open => crossing(&last, step),
@@ -152,7 +145,14 @@ mod tests {
             number,
             time,
             impactor: Motion { position: 0.0, velocity: 0.0, acceleration: 0.0 },
-            contact: Contact { force, indentation, surface_displacement: 0.0, approach: indentation, rate },
+            contact: Contact {
+                force,
+                indentation,
+                surface_displacement: 0.0,
+                approach: indentation,
+                rate,
+                impulse: 0.0,
+            },
             energy: Energy {
                 kinetic: 0.0,
                 elastic: 0.0,
@@ -169,7 +169,7 @@ mod tests {
 
     /// Episodes of F = k ⟨α⟩ at the times n Δt, n = 0 … steps. `alpha` returns α and its rate at a time.
     fn of(alpha: impl Fn(f64) -> (f64, f64), dt: f64, steps: usize) -> Episodes {
-        let mut episodes = Episodes::new(2.0);
+        let mut episodes = Episodes::default();
         for n in 0..=steps {
             let (t, a) = (n as f64 * dt, alpha(n as f64 * dt));
             episodes.push(&step(n, t, a, 1e3 * a.0.max(0.0)));
@@ -208,16 +208,16 @@ mod tests {
     }
 
     #[test]
-    fn impulses_are_the_momentum_given_in_each_episode() {
+    fn impulses_are_those_of_each_episode() {
         let forces = [0.0, 2.0, 0.0, 3.0, 5.0, 0.0, 0.0, 1.0];
-        let mut episodes = Episodes::new(2.0);
-        let (mut velocity, mut last) = (1.0, 0.0);
+        let mut episodes = Episodes::default();
+        let (mut impulse, mut last) = (0.0, 0.0);
         for (n, f) in forces.into_iter().enumerate() {
-            // Velocity by Newmark's method with γ = 1/2.
-            velocity -= 0.5 * (last + f) * 0.5 / 2.0;
+            // Impulse by Newmark's method with γ = 1/2.
+            impulse += 0.5 * (last + f) * 0.5;
             last = f;
             let mut step = step(n, n as f64 * 0.5, (if f > 0.0 { f } else { -1.0 }, 0.0), f);
-            step.impactor.velocity = velocity;
+            step.contact.impulse = impulse;
             episodes.push(&step);
         }
         let impulses: Vec<f64> = episodes.all().iter().map(|e| e.impulse).collect();

@@ -145,7 +145,7 @@ impl SeriesWriter {
             buffer: Vec::new(),
             read: Vec::new(),
             rows_written: 0,
-            episodes: Episodes::new(provenance.impactor_mass),
+            episodes: Episodes::default(),
             episodes_written: 0,
             flushed: None,
         })

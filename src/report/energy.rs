@@ -87,19 +87,21 @@ fn balance(energies: &Quantity) -> Option<String> {
     let of = |name: &str| Some(&energies.parts.iter().find(|part| part.name == name)?.values);
     let (total, dissipated, external, numerical) = (of("total")?, of("dissipated")?, of("external")?, of("numerical")?);
     let kept = |n: usize| total[n] + dissipated[n] - external[n] - numerical[n];
-    let initial = *total.first().filter(|total| **total > 0.0)?;
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let (initial, work) = (total.first()?, largest(external));
+    let available = Some(initial + work).filter(|available| *available > 0.0)?;
+    let name = if work > 0.0 { "the initial energy plus the largest work" } else { "the initial energy" };
     let off = (0..total.len()).map(|n| (kept(n) - kept(0)).abs()).fold(0.0, f64::max);
-    let made = numerical.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let constant = match off / initial {
+    let constant = match off / available {
         off if off < ROUNDING => "constant, but for rounding".to_owned(),
-        off => format!("constant to within {} of the initial energy", limit(off)),
+        off => format!("constant to within {} of {name}", limit(off)),
     };
-    let made = match made / initial {
+    let made = match largest(numerical) / available {
         made if made < SMALLEST_PERCENT => format!("less than {}", limit(made)),
         made => format!("at most {}", limit(made)),
     };
     Some(format!(
         "Balance: the total plus the dissipated energy, less the work of the loads and less the energy that the time integration has added, is \
-         {constant}. The time integration adds or takes {made} of the initial energy."
+         {constant}. The time integration adds or takes {made} of {name}."
     ))
 }

@@ -187,7 +187,7 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         doubt(&format!("load.traction.{number}.value"), pressure / STRAINED, what, "a traction is in Pa".to_owned());
     }
     let end = scene.time.end;
-    let contacts = (end - impactor.gap / impactor.speed) / contact;
+    let contacts = (end - impactor.flight_time()) / contact;
     let what = format!(
         "a run of {} s is {contacts:.1e} times as long as a contact on a half-space, {contact:.1e} s",
         show(end)

@@ -62,10 +62,13 @@ pub(super) fn snap(size: Vec3, point: Vec3) -> Vec3 {
     })
 }
 
-/// Whether a unit `direction` at a `point` on the surface leads into the box, through any of the faces there.
+/// Sine of the least angle between a direction and the face that is hit: 1°.
+const LEAST_ANGLE: f64 = 0.01745;
+
+/// Whether a unit `direction` at a `point` on the surface leads into the box, through any of the faces there: by 1° or more, since
+/// what slides along a face is no impact.
 pub(super) fn leads_inside(size: Vec3, point: Vec3, direction: Vec3) -> bool {
-    // A direction along a face does not lead inside, even with rounding.
-    inward(size, point, direction).into_iter().any(|inward| inward > 1e-9)
+    inward(size, point, direction).into_iter().any(|inward| inward > LEAST_ANGLE)
 }
 
 /// Axis normal to the face through which a unit `direction` leads into the box at a `point` on its surface. At an edge

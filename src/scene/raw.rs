@@ -357,7 +357,7 @@ pub(super) struct Solver {
     /// "condensed" (default) or "full" (SNES with the block aaT).
     #[schemars(extend("enum" = NEWTONS))]
     pub newton: Option<String>,
-    /// Largest error of the energy balance over the initial energy; by default none.
+    /// Largest error of the energy balance over the initial energy and the largest work of the loads; by default none.
     pub energy_gate: Option<Number>,
 }
 

@@ -53,7 +53,7 @@ pub enum Scheme {
 pub struct Solver {
     /// Variant of Newton's method.
     pub newton: Newton,
-    /// Largest error of the energy balance over the initial energy before the run stops; `None` for no limit.
+    /// Largest error of the energy balance over the initial energy and the work of the loads before the run stops; `None` for no limit.
     pub energy_gate: Option<f64>,
 }
 

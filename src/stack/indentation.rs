@@ -143,6 +143,11 @@ impl<'a> SphereOnStack<'a> {
         ContactLaw { points: self.points(compliance), compliance }
     }
 
+    /// Law of the contact whose indentations are relative to a point force.
+    pub fn at_point(&mut self) -> ContactLaw {
+        ContactLaw { points: self.points(0.0), compliance: 0.0 }
+    }
+
     /// Forces (N), ascending, with the contact radius (m) at each, up to the first force of at least `end`, or up to where the
     /// radius can no longer be computed. They do not depend on the disc, and go beyond the end of a law on a disc.
     pub fn radii(&mut self, end: f64) -> Vec<[f64; 2]> {

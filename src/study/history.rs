@@ -179,18 +179,13 @@ impl History {
 }
 
 /// Records a time history from the steps of a run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Recorder {
     history: History,
     episodes: Episodes,
 }
 
 impl Recorder {
-    /// Starts a recording for an impactor's mass, kg.
-    pub fn new(mass: f64) -> Self {
-        Self { history: History::default(), episodes: Episodes::new(mass) }
-    }
-
     /// Adds the next step.
     pub fn push(&mut self, step: &Step) {
         self.history.time.push(step.time);
@@ -213,9 +208,9 @@ pub struct Measured {
     pub steps: usize,
     /// Time reached, s.
     pub time: f64,
-    /// Largest |total + dissipated − external − initial energy| over the initial energy.
+    /// Largest |total + dissipated − external − initial energy| over the initial energy and the largest work of the loads.
     pub energy_error: f64,
-    /// Largest (total + dissipated − external) energy over the initial energy.
+    /// Largest (total + dissipated − external) energy over the initial one, both with the largest work of the loads added.
     pub growth: f64,
     /// Largest difference of the acceleration from the reference, over the reference's peak. Compared at the run's
     /// times up to the end of the reference's first contact episode, and at its peak.
@@ -243,6 +238,8 @@ pub(super) struct Measure<'a> {
     initial: f64,
     lowest: f64,
     highest: f64,
+    /// Largest work of the loads and of the weight, J.
+    work: f64,
     steps: usize,
     time: f64,
 }
@@ -252,11 +249,11 @@ impl<'a> Measure<'a> {
     pub(super) fn new(reference: Option<&'a History>) -> Self {
         Self {
             reference,
-            // Only times and accelerations are used, so the impulses may be zero.
-            own: Recorder::new(0.0),
+            own: Recorder::default(),
             initial: 0.0,
             lowest: f64::INFINITY,
             highest: f64::NEG_INFINITY,
+            work: 0.0,
             steps: 0,
             time: 0.0,
         }
@@ -269,20 +266,21 @@ impl<'a> Measure<'a> {
             self.initial = balance;
         }
         (self.lowest, self.highest) = (self.lowest.min(balance), self.highest.max(balance));
+        self.work = self.work.max(energy.external.abs());
         (self.steps, self.time) = (step.number, step.time);
         self.own.push(step);
     }
 
     /// Returns the measurements and the run's history.
     pub(super) fn finish(self) -> (Measured, History) {
-        let Self { initial, lowest, highest, .. } = self;
+        let Self { initial, lowest, highest, work, .. } = self;
         let own = self.own.finish();
         let difference = self.reference.map(|reference| own.difference(reference)).unwrap_or_default();
         let measured = Measured {
             steps: self.steps,
             time: self.time,
-            energy_error: (highest - initial).max(initial - lowest) / initial.abs(),
-            growth: highest / initial,
+            energy_error: (highest - initial).max(initial - lowest) / (initial.abs() + work),
+            growth: (highest + work) / (initial + work),
             first_error: difference.first,
             whole_error: difference.whole,
         };
@@ -309,6 +307,7 @@ mod tests {
                 surface_displacement: 0.0,
                 approach: acceleration,
                 rate: 0.0,
+                impulse: 0.0,
             },
             energy: Energy {
                 kinetic: 0.0,
@@ -326,7 +325,7 @@ mod tests {
 
     /// Reference ⟨sin t⟩ up to t = 9, with contact episodes 0 to π and 2π to 9.
     fn reference() -> History {
-        let mut recorder = Recorder::new(2.0);
+        let mut recorder = Recorder::default();
         (0..=9000).for_each(|n| recorder.push(&step(n, 1e-3 * n as f64, (1e-3 * n as f64).sin(), 1.0)));
         recorder.finish()
     }

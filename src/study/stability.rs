@@ -164,13 +164,7 @@ pub fn stability(
     let impactor = &scene.impactor;
     let contact = impactor.contact_time();
     let plan = Plan::new(
-        &Occasion {
-            contact,
-            touch: impactor.gap / impactor.speed,
-            end: scene.time.end,
-            step: scene.time.step,
-            unknowns,
-        },
+        &Occasion { contact, touch: impactor.flight_time(), end: scene.time.end, step: scene.time.step, unknowns },
         &demands,
     );
     bench.scene.time.end = plan.end;

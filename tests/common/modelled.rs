@@ -37,7 +37,7 @@ pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
     let model = Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"));
     let (theory, unknowns, vectors) = (model.theory, model.unknowns, model.vectors);
     let mut simulation = Simulation::new(scene, model).unwrap_or_else(|error| panic!("{error}"));
-    let (mut steps, mut episodes) = (Vec::new(), Episodes::new(scene.impactor.mass));
+    let (mut steps, mut episodes) = (Vec::new(), Episodes::default());
     let flow = simulation.run(|step| {
         steps.push(*step);
         episodes.push(step);

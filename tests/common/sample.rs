@@ -41,6 +41,7 @@ pub fn step(number: usize) -> Step {
             surface_displacement: t + 0.04,
             approach: alpha,
             rate,
+            impulse,
         },
         energy: Energy {
             kinetic: t + 0.05,

@@ -21,6 +21,7 @@ mod scene {
     mod boxes;
     mod doubts;
     mod errors;
+    mod hits;
     mod layers;
     mod random;
     mod schema;

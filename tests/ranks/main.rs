@@ -50,6 +50,7 @@ mod impact {
     pub mod controlled;
     pub mod equilibrium;
     pub mod extremes;
+    pub mod hits;
     pub mod interpolated;
     pub mod modal;
     pub mod newton;
@@ -132,6 +133,7 @@ fn main() -> ExitCode {
         impact::controlled,
         impact::equilibrium,
         impact::extremes,
+        impact::hits,
         impact::interpolated,
         impact::modal,
         impact::newton,

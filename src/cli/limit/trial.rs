@@ -161,7 +161,7 @@ pub(super) fn trial(
     }
     warnings.extend(missing_faces(scene, &faces).map(|remark| remark.text));
     let (mut summary, mut most) = (Summary::default().following(linearity), Utilisation::new());
-    let mut contacts = Episodes::new(scene.impactor.mass);
+    let mut contacts = Episodes::default();
     let flow = impact.run_watched(&mut Until {
         interrupted: &|| interrupt.is_raised(comm),
         take: |step: &Step, reading: &Reading| {

@@ -258,7 +258,7 @@ fn remedy(cause: Cause, scene: &Scene, is_plate: bool) -> Option<&'static str> {
         Cause::LocalField if is_plate && is_of_layers && spline::admits(scene).is_ok() => {
             Some("body.model = \"solid\"")
         }
-        Cause::LocalField => None,
+        Cause::LocalField | Cause::ContactLaw => None,
         Cause::Basis | Cause::Cells | Cause::Steps | Cause::Theory => Some("a smaller accuracy.tolerance"),
     }
 }

@@ -233,7 +233,7 @@ pub fn notes(scene: &Scene, footprint: Option<Footprint>, plan: Option<&Plan>) -
     match &impactor.force_law {
         ForceLaw::Hertz(_) => {
             let reason = match impactor.layer_effect {
-                LayerEffect::Negligible => None,
+                LayerEffect::Negligible | LayerEffect::Estimated(_) => None,
                 LayerEffect::Untreated(reason) => Some(reason),
                 LayerEffect::Law(_) if patch.is_some() => Some("contact.patch_radius is given, or the body is a mesh"),
                 LayerEffect::Law(_) if scene.body.model == Theory::HalfSpace => Some("the half-space has no layers"),
@@ -246,6 +246,15 @@ pub fn notes(scene: &Scene, footprint: Option<Footprint>, plan: Option<&Plan>) -
                 );
                 // Each reason is a kind of its own in a sweep.
                 add(reason, 1.0, text);
+            }
+            if let error @ 1e-3.. = impactor.error_of_law()
+                && scene.body.model != Theory::HalfSpace
+            {
+                let text = format!(
+                    "the contact is not small compared with the thickness, and Hertz's law of a half-space is used: estimated error of the \
+                     force {error:.1e}"
+                );
+                add("wide contact", error, text);
             }
             if let Some(radius) = impactor.radius.filter(|radius| indentation > 0.1 * radius) {
                 let text = format!(
@@ -265,10 +274,11 @@ pub fn notes(scene: &Scene, footprint: Option<Footprint>, plan: Option<&Plan>) -
         }
         _ => {}
     }
-    if impactor.gap > impactor.speed * scene.time.end {
+    let flight = impactor.flight_time();
+    if flight > scene.time.end {
         let text = "the impactor does not cross its gap up to time.end: make time.end later, or impactor.gap smaller"
             .to_owned();
-        add("wide gap", impactor.gap / (impactor.speed * scene.time.end), text);
+        add("wide gap", (flight / scene.time.end).min(f64::MAX), text);
     }
     if let Some((beyond, text)) = scene.body.temperature.and_then(|temperature| extrapolated(scene, temperature)) {
         add("temperature", beyond, text);

@@ -52,7 +52,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
     /// Halves the time steps until the tolerance is met in the first contact.
     pub(super) fn controlled(&mut self, observed: bool, observer: &mut dyn Observer) -> Result<Done> {
-        let contact = self.contact_time;
+        let contact = self.parameters.contact_time;
         let resolving = LARGEST_PHASE_PER_STEP / self.body.borrow().stiffened();
         let mut largest =
             (2.0 * FIRST_STEP_FACTOR * self.tolerance.cbrt() * contact).min(0.5 * self.end).min(resolving);

@@ -57,6 +57,8 @@ pub struct Motion<'a> {
     begun: bool,
     /// Whether an apparent contact has just proved to have no force.
     grazing: bool,
+    /// Whether the body has been at rest so far.
+    rests: bool,
     /// Unilateral foundations, if there are any.
     foundations: Option<FoundationState<'a>>,
     /// Number of halvings from which on the foundation forces converge.
@@ -76,6 +78,7 @@ pub struct Motion<'a> {
 impl<'a> Motion<'a> {
     /// Starts the motion at t = 0; `law` is the contact law in terms of δ_modes.
     pub fn new(modes: &'a Modes, law: Law, impactor: FreeBody, steps: Steps, state: State) -> Self {
+        let is_unloaded = modes.free.load == 0.0 && modes.modes.iter().all(|mode| mode.load.norm_sqr() == 0.0);
         Self {
             modes,
             surface_rate: SurfaceRate::new(modes),
@@ -88,6 +91,7 @@ impl<'a> Motion<'a> {
             touching: false,
             begun: false,
             grazing: false,
+            rests: state.settled > 0.0 || is_unloaded,
             foundations: FoundationState::new(modes, &state),
             coarsest: 0,
             force: 0.0,
@@ -157,8 +161,21 @@ impl<'a> Motion<'a> {
         }
     }
 
+    /// Half the time of the impactor's flight to a body at rest, s; `None` if steps of this size are not needed or not possible.
+    fn approach_of_rest(&self, left: f64) -> Option<f64> {
+        let (speed, weight) = (self.state.impactor[1], self.impactor.gravity);
+        let square = speed * speed - 2.0 * weight * self.approach;
+        let half = -self.approach / (speed + square.sqrt());
+        (self.rests && self.steps.defect.is_some() && half > self.steps.largest && half < left).then_some(half)
+    }
+
     /// Takes a step without contact; `None` if contact begins immediately.
     fn step_in_flight(&mut self, left: f64) -> Result<Option<Taken>> {
+        if let Some(half) = self.approach_of_rest(left) {
+            let table = StepResponse::new(self.modes, &self.impactor, half);
+            let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
+            return Ok(Some(self.take(&table, [0.0; 3], free, pulled)));
+        }
         self.level = self.coarsest;
         let (table, free, pulled) = loop {
             let table = self.table(left);
@@ -186,7 +203,7 @@ impl<'a> Motion<'a> {
             let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
             return Ok(Some(self.take(&table, [0.0; 3], free, pulled)));
         }
-        (self.touching, self.begun) = (true, true);
+        (self.touching, self.begun, self.rests) = (true, true, false);
         self.force = self.law.damped(self.approach, self.rate()).force;
         // Contact begins with small steps, since F ∝ t^{3/2} is not close to a quadratic.
         self.level = if self.steps.defect.is_some() { 3 } else { 0 }.max(self.coarsest);

@@ -149,6 +149,7 @@ impl<'a> Recorder<'a> {
                 surface_displacement: state.surface(modes) + modes.residual * force + state.settled * modes.rest,
                 approach: motion.approach - modes.residual * force,
                 rate: motion.rate() - modes.residual * rise,
+                impulse: parameters.impulse(state.impactor[1], state.time),
             },
             energy: Energy::default(),
         };

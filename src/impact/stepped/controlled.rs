@@ -92,7 +92,7 @@ impl Resumed {
 /// # Errors
 /// A fault of `time.end` if the run would take too many steps.
 pub(super) fn first_step(parameters: &ImpactParameters, tolerance: f64, end: f64) -> Result<f64> {
-    let contact = parameters.law.force_law.contact_time(parameters.mass, parameters.speed);
+    let contact = parameters.contact_time;
     let step = (FIRST_STEP_FACTOR * tolerance.sqrt() * contact).min(end / MIN_STEPS);
     if end / step <= MOST_STEPS {
         return Ok(step);

@@ -130,6 +130,7 @@ impl Trajectory {
                 surface_displacement: *surface,
                 approach: *approach,
                 rate: *rate,
+                impulse: parameters.impulse(state.q.velocity, self.time),
             },
             energy: self.energy_balance.energy(body, parameters, &self.now)?,
         })

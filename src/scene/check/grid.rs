@@ -202,6 +202,8 @@ mod tests {
             direction,
             gap: 0.0,
             gravity: 0.0,
+            closing: 0.0,
+            timing_mass: 52.0,
         };
         default::planes(Hit { size, composition: &composition, impactor: &impactor, contact, order })
     }

@@ -1,7 +1,8 @@
 //! Checks the impactor: mass, radius, speed, impact point, direction and contact stiffness.
 
+use super::super::impactor::HEAVIEST;
 use super::super::values::{Number, SurfacePoint, Three};
-use super::super::{Impactor, LayerEffect, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
+use super::super::{Composition, Impactor, LayerEffect, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
 use super::body::Outline;
 use super::contact;
 use super::numbers::show;
@@ -11,45 +12,61 @@ use crate::form;
 pub(super) fn check(
     source: &Source,
     (raw, contact): (&raw::Impactor, &raw::Contact),
-    struck: &form::Material,
+    composition: &Composition,
     outline: &Outline,
+    of_body: Vec3,
 ) -> Result<Impactor, SceneError> {
     let mass = source.positive("impactor.mass", raw.mass.0, "the mass m0 in kg")?;
     let radius = |Number(radius)| source.positive("impactor.radius", radius, "the radius R of the rounded end in m");
     let radius = raw.radius.map(radius).transpose()?;
-    let speed = speed(source, raw)?;
     let Number(gap) = raw.gap.unwrap_or(Number(0.0));
     source.not_negative("impactor.gap", [gap; 3], "a distance in m, 0 or more")?;
     let direction = raw.direction.map_or([0.0, 0.0, -1.0], Three::numbers);
     let direction = source.unit("impactor.direction", direction)?;
+    // Avoids −0 if the weight acts perpendicular to the direction.
+    let gravity = if raw.gravity == Some(true) { 0.0 - STANDARD_GRAVITY * direction[2] } else { 0.0 };
+    let of_body: f64 = of_body.iter().zip(direction).map(|(a, d)| a * d).sum();
+    let closing = gravity - of_body;
+    let speed = speed(source, raw, closing * gap > 0.0)?;
     elastic_constants(source, raw)?;
-    let (stiffness, force_law) = match contact::law(source, contact, raw)? {
-        None => {
-            let stiffness = stiffness(source, raw, struck, radius)?;
-            (stiffness, ForceLaw::Hertz(Hertz { stiffness }))
+    let law = contact::law(source, contact, raw)?;
+    let stiffness = if law.is_some() { 0.0 } else { stiffness(source, raw, &composition.struck, radius)? };
+    let body_mass = match outline {
+        Outline::Box(size) => {
+            composition.density().map_or(f64::INFINITY, |density| density * size.iter().product::<f64>())
         }
-        Some(law) => (hertz::stiffness_of_contact_time(law.contact_time(mass, speed), mass, speed), law),
+        Outline::Gmsh(_) => f64::INFINITY,
     };
-    contact::check_capacity(source, &force_law, 0.5 * mass * speed * speed)?;
-    Ok(Impactor {
+    let mut impactor = Impactor {
         mass,
         radius,
         stiffness,
-        force_law,
+        force_law: law.unwrap_or(ForceLaw::Hertz(Hertz { stiffness })),
         layer_effect: LayerEffect::Negligible,
-        damping: contact::damping(source, contact, speed)?,
+        damping: 0.0,
         speed,
         point: point(source, raw, outline, direction)?,
         direction,
         gap,
-        // Avoids −0 if the weight acts perpendicular to the direction.
-        gravity: if raw.gravity == Some(true) { 0.0 - STANDARD_GRAVITY * direction[2] } else { 0.0 },
-    })
+        gravity,
+        closing,
+        timing_mass: mass.min(HEAVIEST * body_mass),
+    };
+    let hit = impactor.hit_speed();
+    contact::check_capacity(source, &impactor.force_law, 0.5 * mass * hit * hit)?;
+    impactor.damping = contact::damping(source, contact, hit)?;
+    if !matches!(impactor.force_law, ForceLaw::Hertz(_)) {
+        let (time, mass, speed) = (impactor.contact_time(), impactor.timing_mass, impactor.contact_speed());
+        impactor.stiffness = hertz::stiffness_of_contact_time(time, mass, speed);
+    }
+    Ok(impactor)
 }
 
 /// Given speed, or the speed after a free fall from a height h: v² = 2 g h. In m/s.
-fn speed(source: &Source, raw: &raw::Impactor) -> Result<f64, SceneError> {
+/// An impactor that `falls` through a gap may start from rest.
+fn speed(source: &Source, raw: &raw::Impactor, falls: bool) -> Result<f64, SceneError> {
     match (raw.speed, raw.drop_height) {
+        (Some(Number(0.0)), None) if falls => Ok(0.0),
         (Some(Number(speed)), None) => {
             source.positive("impactor.speed", speed, "the speed in m/s at t = 0; `direction` says which way")
         }
@@ -162,7 +179,7 @@ fn point(source: &Source, raw: &raw::Impactor, outline: &Outline, direction: Vec
         let key = if raw.direction.is_some() { "impactor.direction" } else { path };
         let [x, y, z] = direction.map(show);
         let message = format!("the impactor moves along [{x}, {y}, {z}], which does not lead into the body here");
-        let help = "a direction against the outward normal of the face at the impact point";
+        let help = "a direction against the outward normal of the face at the impact point, 1° or more from the face";
         return Err(source.error(key, message, help));
     }
     Ok(faces::snap(size, point))

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use super::super::{
     CLEAR_OF_SUPPORTS, Composition, Contact, Impactor, Layer as Given, LayerEffect, LayeredContact, Parts, Support,
-    Vec3, leave_free,
+    Vec3, faces, leave_free,
 };
-use crate::contact::{ForceLaw, Hertz, LARGEST_PHASE, Table, hertz, zener};
+use crate::contact::{ForceLaw, Hertz, LARGEST_PHASE, Table, zener};
 use crate::stack::{ContactLaw, ContactPoint, Layer, Section, Sphere, SphereOnStack, Stack};
 
 /// Largest Young's modulus of a soft impacted layer, as a fraction of the largest of all layers, if no other layer is softer.
@@ -60,6 +60,9 @@ const CONTINUED: f64 = 100.0;
 /// Least energy that a law must store, over the energy of the impact.
 const LEAST_ENERGY: f64 = 1e-3;
 
+/// Thickness and Young's modulus of rigid ground under a layer, over those of the layer.
+const GROUND: [f64; 2] = [2.0, 1e4];
+
 /// Law of the contact with the layers of a box, if the impacted one is soft or thin and the impact is normal to it.
 pub(super) fn law(
     size: Vec3,
@@ -68,8 +71,12 @@ pub(super) fn law(
     impactor: &Impactor,
     contact: Contact,
 ) -> LayerEffect {
-    let Parts::Layers(given) = &composition.parts else { return LayerEffect::Negligible };
     let ForceLaw::Hertz(Hertz { stiffness }) = impactor.force_law else { return LayerEffect::Negligible };
+    if composition.uniform().is_some() && contact != Contact::Point {
+        let error = error_on_one_layer(size, composition, supports, impactor);
+        return error.map_or(LayerEffect::Negligible, LayerEffect::Estimated);
+    }
+    let Parts::Layers(given) = &composition.parts else { return LayerEffect::Negligible };
     let is_normal = (impactor.direction[2].abs() - 1.0).abs() < 1e-9;
     if !is_normal || contact == Contact::Point {
         return LayerEffect::Negligible;
@@ -126,13 +133,13 @@ pub(super) fn law(
         let stack = Stack::new(&layers).ok_or("a layer is no stable elastic solid")?;
         let sphere = Sphere { radius, modulus: 0.75 * stiffness / radius.sqrt() };
         let longest = (PI / size[0].max(size[1])).min(LONGEST_WAVE / stack.thickness());
-        let energy = 0.5 * impactor.mass * impactor.speed.powi(2);
+        let speed = impactor.contact_speed();
+        let energy = 0.5 * impactor.mass * speed.powi(2);
         let room = room[0].min(room[1]);
         let mut contact = SphereOnStack::new(&plate.stack, sphere, longest, energy);
         let enough_force = if is_soft { ENOUGH_FORCE_ON_SOFT } else { ENOUGH_FORCE_ON_STIFF };
         let is_enough = |law: &ContactLaw| {
-            law.largest_force() >= enough_force * plate.impedance() * impactor.speed
-                || law.capacity() >= ENOUGH_ENERGY * energy
+            law.largest_force() >= enough_force * plate.impedance() * speed || law.capacity() >= ENOUGH_ENERGY * energy
         };
         let candidates = given_disc.map_or_else(|| plate.discs(is_soft), |disc| vec![disc]);
         let mut disc = candidates[0].min(room);
@@ -140,7 +147,7 @@ pub(super) fn law(
             let law = contact.on_disc(wider);
             let Some(force_law) = table(&law) else { continue };
             let duration = match is_soft {
-                true => force_law.contact_time(impactor.mass, impactor.speed),
+                true => force_law.contact_time(impactor.timing_mass, speed),
                 false => plate.rise_time(impactor),
             };
             if wider > disc && wider * plate.wavenumber(duration) > LARGEST_PHASE {
@@ -173,6 +180,37 @@ pub(super) fn law(
         Ok(LayeredContact { force_law, compliance: law.compliance, radii, disc })
     };
     law().map_or_else(LayerEffect::Untreated, |contact| LayerEffect::Law(Arc::new(contact)))
+}
+
+/// Estimated relative error of the force by Hertz's law on a box of one material; `None` if the contact is small compared with the
+/// thickness. The local contact with the layer, free or on rigid ground, stores the same energy at another force. The estimate is
+/// larger than the error, since the rest of the body is in series with the contact.
+fn error_on_one_layer(size: Vec3, composition: &Composition, supports: &[Support], impactor: &Impactor) -> Option<f64> {
+    let Impactor { stiffness, point, .. } = *impactor;
+    let axis = faces::struck_axis(size, point, impactor.direction);
+    let (material, thickness, radius) = (composition.struck, size[axis], impactor.radius?);
+    let layer = Layer { thickness, young: material.young, poisson: material.poisson };
+    let is_free = leave_free(supports, (size, point, axis), CLEAR_OF_SUPPORTS);
+    let stack = Stack::new(&[layer])?;
+    let areal_density = material.density * thickness;
+    let mut plate = Plate { rigidity: Section::new(&stack).rigidity, areal_density, stack };
+    let speed = impactor.contact_speed();
+    let impedance = if is_free { plate.impedance() } else { f64::INFINITY };
+    let indentation = zener::peak_indentation_limit(stiffness, impactor.timing_mass, speed, impedance);
+    if (radius * indentation).sqrt() <= WIDEST_HERTZIAN * thickness {
+        return None;
+    }
+    if !is_free {
+        let ground = Layer { thickness: GROUND[0] * thickness, young: GROUND[1] * material.young, ..layer };
+        plate.stack = Stack::new(&[layer, ground])?;
+    }
+    let hertz = ForceLaw::Hertz(Hertz { stiffness });
+    let energy = hertz.potential(indentation);
+    let sphere = Sphere { radius, modulus: 0.75 * stiffness / radius.sqrt() };
+    let longest = plate.wavenumber(plate.rise_time(impactor)).min(1.0 / thickness);
+    let law = SphereOnStack::new(&plate.stack, sphere, longest, energy).at_point();
+    let table = table(&law).filter(|_| law.capacity() >= energy);
+    Some(table.map_or(1.0, |law| (law.peak_force(2.0 * energy, 1.0) / hertz.force(indentation) - 1.0).abs()))
 }
 
 /// Formula of an indentation (m) from the stiffness of Hertz's law, the mass (kg), the speed (m/s) and the impedance (N s/m).
@@ -209,15 +247,14 @@ impl Plate {
     /// Twice the time (s) in which Hertz's force on a half-space that does not slow the impactor down reaches the force that
     /// this plate's impedance allows: about the duration of the rise of the force.
     fn rise_time(&self, impactor: &Impactor) -> f64 {
-        let Impactor { stiffness, mass, speed, .. } = *impactor;
-        let of_half_space = hertz::contact_time(stiffness, mass, speed);
-        of_half_space.min(2.0 * (self.impedance() / stiffness).powf(2.0 / 3.0) / speed.cbrt())
+        let rise = (self.impedance() / impactor.stiffness).powf(2.0 / 3.0) / impactor.contact_speed().cbrt();
+        impactor.contact_time().min(2.0 * rise)
     }
 
     /// Contact radius by Hertz's law at the largest indentation without echoes, m; 0 for an impactor without a radius.
     fn contact_radius(&self, impactor: &Impactor, indentation: IndentationFormula) -> f64 {
-        let Impactor { stiffness, mass, speed, radius, .. } = *impactor;
-        (radius.unwrap_or_default() * indentation(stiffness, mass, speed, self.impedance())).sqrt()
+        let Impactor { stiffness, mass, radius, .. } = *impactor;
+        (radius.unwrap_or_default() * indentation(stiffness, mass, impactor.contact_speed(), self.impedance())).sqrt()
     }
 
     /// Radii of the disc to try, m, ascending.

@@ -51,7 +51,10 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         .map(|(number, support)| support::check(source, number, support, &outline))
         .collect::<Result<Vec<_>, _>>()?;
     let load = load(source, &raw.load, &outline)?;
-    let mut impactor = impactor::check(source, (&raw.impactor, &raw.contact), &composition.struck, &outline)?;
+    // A free body is accelerated by its loads before the impactor reaches it.
+    let of_body = composition.density().filter(|_| supports.is_empty());
+    let of_body = of_body.map_or([0.0; 3], |density| load.force_on(density).map(|force| force / density));
+    let mut impactor = impactor::check(source, (&raw.impactor, &raw.contact), &composition, &outline, of_body)?;
     let contact = contact::localization(source, &raw.contact, (&outline, &impactor))?;
     let output = output::check(source, &raw, &outline)?;
     let strength = strength::check(source, &raw, &outline, (&composition, &impactor))?;

@@ -77,9 +77,9 @@ pub(super) fn check(
         let key = if struck.density < LIGHTEST { keys.density } else { keys.stiffness };
         return Err(source.error_with(key, &[keys.stiffness, keys.density], message, help));
     }
-    if impactor.speed > wave {
-        let message =
-            format!("the impactor's {:.3e} m/s are faster than waves in the body, {wave:.3e} m/s", impactor.speed);
+    let hit = impactor.hit_speed();
+    if hit > wave {
+        let message = format!("the impactor's {hit:.3e} m/s are faster than waves in the body, {wave:.3e} m/s");
         // No solid has waves as slow as `SLOWEST`.
         let (key, help) = match wave < SLOWEST {
             true if struck.density > HEAVIEST => (keys.density, "the density in kg/m3, as 2500 for glass"),
@@ -146,10 +146,10 @@ struct Ball {
 impl Ball {
     /// `None` if the contact has another law.
     fn of(impactor: &Impactor) -> Option<Self> {
-        let Impactor { mass, radius, force_law: ForceLaw::Hertz(Hertz { stiffness }), speed, .. } = *impactor else {
+        let Impactor { mass, radius, force_law: ForceLaw::Hertz(Hertz { stiffness }), .. } = *impactor else {
             return None;
         };
-        Some(Self { mass, radius: radius?, stiffness, speed })
+        Some(Self { mass, radius: radius?, stiffness, speed: impactor.contact_speed() })
     }
 
     /// Hertz's contact radius at the peak of an impact on a half-space, m.

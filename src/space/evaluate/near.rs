@@ -199,7 +199,7 @@ impl ContactSize {
     /// Contact radius (m) at the peak of an impact on a body that does not deflect.
     pub fn at_peak(&self, impactor: &Impactor) -> f64 {
         let force_law = self.layered.as_ref().map_or(&impactor.force_law, |layered| &layered.force_law);
-        self.radius(force_law.peak_force(impactor.mass, impactor.speed), impactor.peak_indentation())
+        self.radius(force_law.peak_force(impactor.mass, impactor.contact_speed()), impactor.peak_indentation())
     }
 }
 

@@ -103,9 +103,8 @@ fn resolve_edges(lines: &mut Vec<f64>, width: f64, is_halved: bool) {
 /// shorter. The force on a half-space rises to the value due to the impedance Z of the plate, k0 (v t)^{3/2} = Z v,
 /// within t.
 pub(in crate::space) fn contact_time(section: &Section, impactor: &Impactor) -> f64 {
-    let Impactor { stiffness, speed, .. } = *impactor;
     let impedance = zener::impedance(&section.material(), section.thickness);
-    let rise = (impedance / stiffness).powf(2.0 / 3.0) / speed.cbrt();
+    let rise = (impedance / impactor.stiffness).powf(2.0 / 3.0) / impactor.contact_speed().cbrt();
     impactor.contact_time().min(6.0 * rise)
 }
 

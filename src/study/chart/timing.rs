@@ -62,9 +62,9 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// The time history, for an impactor's mass (kg).
-    fn history(&self, mass: f64) -> History {
-        let mut recorder = Recorder::new(mass);
+    /// The time history.
+    fn history(&self) -> History {
+        let mut recorder = Recorder::default();
         self.steps.iter().for_each(|step| recorder.push(step));
         let largest = |faces: &[FaceTension]| faces.iter().fold(f64::NAN, |largest, face| largest.max(face.largest));
         let has_tension = self.readings.iter().any(|reading| !reading.faces.is_empty());
@@ -126,7 +126,7 @@ pub fn time(
             let mut numbers = [median(builds), median(runs), spent];
             comm.mpi().process_at_rank(0).broadcast_into(&mut numbers);
             [timed.build, timed.run, timed.spent] = numbers;
-            timed.history = recording.history(scene.impactor.mass);
+            timed.history = recording.history();
             return Ok(Some((timed, recording)));
         }
     }

@@ -340,7 +340,10 @@ impl Kept {
     /// Takes the body from a model of a scene in modal coordinates. `of_theory` are the errors of the theory selected for
     /// all members.
     fn of(scene: &Scene, model: Model, of_theory: Errors) -> Result<Self> {
-        let of_others = model.error.without(Cause::Basis).without(Cause::Theory).total().unwrap_or_default();
+        // Each member has its own contact.
+        let of_others = [Cause::Basis, Cause::Theory, Cause::ContactLaw];
+        let of_others = of_others.into_iter().fold(model.error.clone(), |error, cause| error.without(cause));
+        let of_others = of_others.total().unwrap_or_default();
         let of_model = of_theory.joined(of_others);
         let made_for = model.error.of(Cause::Basis);
         let made_for = made_for.map(|of_basis| MadeFor { scene: Box::new(scene.clone()), of_basis });
@@ -439,7 +442,8 @@ impl Kept {
             (None, None) => Errors::default(),
         };
         let of_patch = Errors::throughout(self.body.footprint.patch().and_then(|patch| patch.error()).unwrap_or(0.0));
-        let all = of_basis.joined(self.of_model).joined(of_patch);
+        let of_law = Errors::throughout(scene.impactor.error_of_law());
+        let all = of_basis.joined(self.of_model).joined(of_patch).joined(of_law);
         let (error_estimate, first_error) = (joined(impact.count.error.unwrap_or(0.0), all.history), all.first_contact);
         // Given steps have no error estimate, and their error counts as 0. Adaptive steps without an estimate of the
         // stress error give NaN.

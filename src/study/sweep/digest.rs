@@ -38,7 +38,7 @@ pub fn digest(
 ) -> Result<Option<Member>> {
     let begin = Instant::now();
     let mut member = Member::new(task.index, task.has_series);
-    let mut episodes = Episodes::new(task.scene.impactor.mass);
+    let mut episodes = Episodes::default();
     let outcome = simulate(comm, (task.index, &task.scene), bodies, interrupted, |step, read| {
         episodes.push(step);
         member.push(step, read, task.scene.output.every);

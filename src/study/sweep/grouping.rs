@@ -82,7 +82,7 @@ impl Grouping {
     /// Adds a member, with its value on the line of [`Grid::line`](super::Grid::line).
     pub fn count(&mut self, index: usize, scene: &Scene, on_line: Option<(Property, f64)>) {
         // Contact damping makes the contact stiffer from the first touch on, so it counts as a shorter contact.
-        let contact = scene.impactor.contact_time() / (1.0 + scene.impactor.damping * scene.impactor.speed);
+        let contact = scene.impactor.contact_time() / (1.0 + scene.impactor.damping * scene.impactor.hit_speed());
         let member = Member { index, contact, tolerance: scene.tolerance };
         let harder = |most: &mut Member| {
             if member.is_harder(most) {

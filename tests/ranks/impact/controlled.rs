@@ -37,7 +37,7 @@ struct History {
 fn history(comm: &Comm, stiffness: f64, (end, steps): (f64, &str)) -> History {
     let (_, mut impact) = start(comm, &plate(PLATE, &format!("end = {end:e}\n{steps}"), &sides(stiffness, 0.0)));
     let series = run(&mut impact);
-    let mut episodes = Episodes::new(glass::MASS);
+    let mut episodes = Episodes::default();
     series.iter().for_each(|step| episodes.push(step));
     let solves = impact.count.solves;
     drop(impact);

@@ -32,7 +32,7 @@ fn contact_time() -> f64 {
 
 /// Number of contact episodes.
 fn episodes(series: &[Step]) -> usize {
-    let mut episodes = Episodes::new(glass::MASS);
+    let mut episodes = Episodes::default();
     series.iter().for_each(|step| episodes.push(step));
     episodes.all().len()
 }

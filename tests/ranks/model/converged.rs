@@ -96,7 +96,7 @@ fn check_plates(session: &Session, plates: &[Plate]) {
     for &Plate { size, stiffness, end, step, peak: expected, contacts } in plates {
         let time = format!("end = {end:e}\nstep = {step:e}");
         let series = history(&world, &plate(&format!("size = {size}"), &time, &sides(stiffness, 0.0)));
-        let mut episodes = Episodes::new(glass::MASS);
+        let mut episodes = Episodes::default();
         series.iter().for_each(|step| episodes.push(step));
         let found: Vec<f64> = episodes.all().iter().flat_map(|e| [1e3 * e.start, 1e3 * e.end]).collect();
         let peak = peak(&series);

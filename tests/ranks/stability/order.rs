@@ -37,7 +37,7 @@ fn errors(comm: &Comm, scheme: &str, steps: u32) -> [f64; 3] {
             ),
         );
         let series = run(&mut impact);
-        let mut episodes = Episodes::new(1.0);
+        let mut episodes = Episodes::default();
         series.iter().for_each(|step| episodes.push(step));
         let [episode] = episodes.all() else { panic!("one hit: {:?}", episodes.all()) };
         assert!(!episodes.is_open());
