@@ -17,7 +17,7 @@ const LEAST_STEP_RATIO: f64 = 1e-6;
 const LEAST_DEFLECTION: f64 = 1e-7;
 
 /// Contact force F(t) on the modelled part, N, with the tension opposite the impact point.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 pub struct Trace {
     /// Beginning and size of each step, s, and the force at its beginning, middle and end, N.
     steps: Vec<(f64, f64, [f64; 3])>,
