@@ -57,7 +57,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     })?;
     let interrupt = Rc::new(Interrupt::on_signals());
     let mut trials: Vec<Trial> = Vec::new();
-    let found = search(&range, scene.tolerance, |value| {
+    let mut ratio = |value: f64| {
         let (scene, source) = at(&source, &range, value)?;
         let utilisation = trial(comm, (&scene, &source), &interrupt).map_err(|error| named(error, &range, value))?;
         let ratio = utilisation.ratio;
@@ -66,7 +66,15 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
             note(format_args!("{}", line(&range, trials.len(), last)));
         }
         Ok::<_, Error>(ratio)
-    })?;
+    };
+    let found = search(&range, scene.tolerance, &mut ratio)?;
+    // The upper end of the range shows whether the ratio crosses 1 again. That it cannot be computed there is no error.
+    if found.root.is_some() && found.samples.iter().all(|sample| sample.value < range.to) {
+        match ratio(range.to) {
+            Ok(_) | Err(Error::Solve(_) | Error::Unstable(_) | Error::Fault(_) | Error::Scene(_)) => {}
+            Err(error) => return Err(error),
+        }
+    }
     let report = Report::new(&range, scene.tolerance, &found, &trials);
     if comm.is_root() {
         if arguments.json {
