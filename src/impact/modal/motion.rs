@@ -221,7 +221,7 @@ impl<'a> Motion<'a> {
         let table = StepResponse::new(self.modes, &self.impactor, touch);
         let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
         let taken = self.take(&table, [0.0; 3], free, pulled);
-        self.approach = 0.0;
+        (self.approach, self.force) = (0.0, 0.0);
         Ok(Some(taken))
     }
 
@@ -381,7 +381,7 @@ impl<'a> Motion<'a> {
         }
         let all = [self.approach, approach[0], approach[1], approach[2], approach[3]];
         (self.force, self.approach, self.last) = (force[2], approach[3], Some((force, table.step)));
-        if self.law.damping > 0.0 && force[2] > 0.0 {
+        if self.law.damping > 0.0 && self.touching {
             // A step finds δ̇ at its end from a polynomial. Its error would remain in the first force of the next step, however
             // short that is, so the next step begins with the rate of the state reached.
             self.force = self.law.damped(self.approach, self.rate()).force;
