@@ -139,14 +139,33 @@ impl Projection {
 
     /// Iterates over the entries of all arrays.
     pub(super) fn numbers(&mut self) -> impl Iterator<Item = &mut [f64]> {
-        let Self { elastic, relaxations, support, damping, force, translation, hit_stress, load, support_load, .. } =
-            self;
+        let Self {
+            elastic,
+            relaxations,
+            support,
+            damping,
+            force,
+            translation,
+            hit_stress,
+            local_stress_per_newton,
+            load,
+            support_load,
+            support_offset,
+            compliance,
+            foundation,
+            ..
+        } = self;
+        let scalars = [support_offset, compliance].map(std::slice::from_mut);
+        let of_foundation = foundation.iter_mut().flat_map(FoundationPoints::numbers);
         [Some(elastic), Some(support), Some(hit_stress), damping.as_mut()]
             .into_iter()
             .flatten()
             .chain(relaxations.iter_mut().map(|part| &mut part.distortion))
             .map(|m| m.as_mut_slice())
             .chain([force, translation, load, support_load].map(|v| v.as_mut_slice()))
+            .chain(scalars)
+            .chain([&mut local_stress_per_newton[..]])
+            .chain(of_foundation)
     }
 
     /// Returns the same body with half as many modes of the basis, so that ω_c is lower.

@@ -120,6 +120,12 @@ impl FoundationPoints {
         Self { rows: self.rows.select_columns(coordinates), ..self.without_rows() }
     }
 
+    /// Iterates over the entries of all arrays.
+    pub(super) fn numbers(&mut self) -> impl Iterator<Item = &mut [f64]> {
+        let Self { stiffness, offsets, rows, resting, .. } = self;
+        [stiffness, offsets, resting].map(|v| v.as_mut_slice()).into_iter().chain([rows.as_mut_slice()])
+    }
+
     fn without_rows(&self) -> Self {
         let Self { stiffness, offsets, resting, is_settled, .. } = self;
         let rows = DMatrix::zeros(0, 0);

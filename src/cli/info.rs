@@ -65,6 +65,8 @@ struct RunFacts {
     restart: Option<PathBuf>,
     largest: Option<Extremes>,
     contacts: Vec<ContactFacts>,
+    /// Warnings and notes of the run.
+    warnings: Vec<String>,
     /// Estimated error of the acceleration over its peak, over the whole history; null without an estimate.
     error_estimate: f64,
     /// Estimated error of the deflection under the impactor over its largest value; null without an estimate.
@@ -93,6 +95,7 @@ impl RunFacts {
         let contacts = history.contacts.iter().zip(&history.impulses);
         let can_go_on = !is_complete && is_there(path, provenance.run_id);
         Ok(Self {
+            warnings: provenance.warnings.lines().map(str::to_owned).collect(),
             title: provenance.title,
             version: provenance.version,
             commit: provenance.commit,
@@ -152,6 +155,7 @@ impl RunFacts {
                 estimated(self.error_estimate)
             ));
         }
+        self.warnings.iter().for_each(|line| say(format_args!("remark     {line}")));
         if !self.wall_time.is_nan() {
             say(format_args!(
                 "cost       {:.3} s (model {:.3}, setup {:.3}, steps {:.3}), {} solves and {} Newton iterations",

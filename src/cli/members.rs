@@ -6,10 +6,11 @@ use std::collections::BTreeMap;
 use crate::impact::{Plan, beside, estimated};
 use crate::model::{Edges, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, edges, largest_linear};
 use crate::record::sweep::{Quantity, Status, SweepWriter};
+use crate::record::useless::USELESS;
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, GROWTH, Remark, UNESTIMATED_ROTATIONS, USELESS, remedy_of_tension, scope_of_tolerance};
+use super::notes::{self, GROWTH, Remark, UNESTIMATED_ROTATIONS, remedy_of_tension, scope_of_tolerance};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 

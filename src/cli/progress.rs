@@ -125,8 +125,8 @@ impl Progress {
     }
 
     /// Removes the bar.
-    pub fn finish(self) {
-        if let Shown::Bar(bar) = self.shown {
+    pub fn finish(&self) {
+        if let Shown::Bar(bar) = &self.shown {
             bar.finish_and_clear();
         }
     }

@@ -43,6 +43,7 @@ pub fn provenance(
         unknowns: unknowns + 1,
         impactor_mass: scene.impactor.mass,
         planned_rows: None,
+        warnings: String::new(),
     })
 }
 

@@ -66,6 +66,11 @@ impl Summary {
         self.tension.clone()
     }
 
+    /// Time of the largest force, s.
+    pub fn peak_time(&self) -> f64 {
+        self.peak.1
+    }
+
     /// Time reached, s.
     pub fn end(&self) -> f64 {
         self.last.time

@@ -4,7 +4,7 @@ use super::checkpoint::Visitor;
 use crate::error::{Error, Result};
 
 /// One accepted step: all values of a row of the recorded time series, in SI units.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Step {
     /// Number of the step; 0 is the initial state.
     pub number: usize,
@@ -52,7 +52,7 @@ impl Step {
 }
 
 /// Motion of the impactor along its direction of travel.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Motion {
     /// Position q, m; 0 at t = 0.
     pub position: f64,
@@ -63,7 +63,7 @@ pub struct Motion {
 }
 
 /// State of the contact.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Contact {
     /// Contact force F on the whole body, N.
     pub force: f64,
@@ -81,7 +81,7 @@ pub struct Contact {
 }
 
 /// Energies of the whole body, J.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Energy {
     /// Kinetic energy ½ u̇ᵀMu̇ of the body.
     pub kinetic: f64,

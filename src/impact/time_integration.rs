@@ -46,7 +46,7 @@ pub trait TimeIntegration {
 }
 
 /// Cost of a run and its estimated error.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, serde::Serialize, serde::Deserialize)]
 pub struct Count {
     /// Number of steps taken, including rejected steps and the steps of an error estimate. Each is one linear solve in
     /// the condensed step, and a few solves with pads.

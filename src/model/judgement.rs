@@ -41,7 +41,7 @@ pub(super) fn cost(unknowns: usize, vectors: usize) -> f64 {
 
 /// Differences of histories, over the peak, from which they do not measure errors: one history then has contacts that
 /// the other lacks.
-const OTHER_CONTACTS: f64 = 0.3;
+pub const OTHER_CONTACTS: f64 = 0.3;
 
 /// Number of vectors of the second basis for comparison, over that of the basis, if the histories have different
 /// contacts.

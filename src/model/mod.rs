@@ -7,6 +7,7 @@ mod elastic_cells;
 mod error_factors;
 mod judgement;
 mod layers;
+mod led;
 mod linearity;
 mod local_field_error;
 mod long_waves;
@@ -20,13 +21,12 @@ mod trials;
 pub mod watch;
 
 pub use error_factors::ErrorFactors;
-pub use judgement::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION};
+pub use judgement::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, OTHER_CONTACTS};
 use judgement::{LARGEST_COST_FOR_DEFLECTIONS, cost};
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 pub use local_field_error::local_field_errors;
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
-use reduce::is_moved_by_loads;
 pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, reduce_from, shift};
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, layerwise_evaluator, layerwise_for_products, name};
@@ -50,6 +50,8 @@ use watch::{Unwatched, Watch};
 pub struct Model {
     /// Theory of the body.
     pub theory: scene::Model,
+    /// Ranks on which the model is made.
+    pub comm: Comm,
     /// The body as it is integrated in time.
     pub dynamics: Dynamics,
     /// Number of unknowns of the body in this theory, before any reduction.
@@ -70,8 +72,8 @@ pub struct Model {
     pub known: Vec<KnownForce>,
     /// Estimated error by basis, discretisation and theory, as far as each is known.
     pub error: ErrorEstimate,
-    /// Whether loads move the body and the impactor does not touch it. No error is estimated then.
-    pub is_moved_by_loads: bool,
+    /// Whether the impactor does not touch the body. No error is estimated then.
+    pub is_untouched: bool,
     /// Reason for this theory, if it was selected automatically.
     pub reason: Option<String>,
     /// Readout of the body, if the scene asks for any.
@@ -171,7 +173,7 @@ impl Model {
             model = model.with_error(Cause::ContactLaw, Errors::throughout(of_law));
         }
         // All errors are estimated from contact forces.
-        if !model.is_moved_by_loads {
+        if !model.is_untouched {
             return Ok(model);
         }
         let reason =
@@ -182,7 +184,9 @@ impl Model {
     /// Makes the model of one theory. Collective.
     fn of(comm: &Comm, scene: &Scene, theory: scene::Model, watch: &dyn Watch) -> Result<Self> {
         match build(comm, scene, theory, 1.0, watch)? {
-            Built::Given(body) => Ok(Self::bare(scene, theory, Dynamics::Modal(body), 0, "a formula".to_owned())),
+            Built::Given(body) => {
+                Ok(Self::bare(comm, (scene, theory), Dynamics::Modal(body), 0, "a formula".to_owned()))
+            }
             Built::Operators(Operators { body, discretisation, evaluator, measures, .. }) if !scene.is_reduced() => {
                 let body = body.in_petsc(&comm.session().alone())?;
                 let unknowns = body.unknowns();
@@ -191,7 +195,7 @@ impl Model {
                 Ok(Self {
                     gauges,
                     measures,
-                    ..Self::bare(scene, theory, Dynamics::Stepped(body), unknowns, discretisation)
+                    ..Self::bare(comm, (scene, theory), Dynamics::Stepped(body), unknowns, discretisation)
                 })
             }
             Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built, watch)?),
@@ -203,7 +207,7 @@ impl Model {
         let may_lower_shift = may_lower_shift(scene, theory, &fitted);
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, size, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
-        let (vectors, is_moved_by_loads) = (projection.vectors(), is_moved_by_loads(&projection, &force.0));
+        let (vectors, is_untouched) = (projection.vectors(), !force.0.has_contact());
         let short_waves = projection.infinite_plate.as_ref().map(|plate| match plate.rectangle {
             Some(_) => ShortWaves::WithEchoes,
             None => ShortWaves::WithoutEchoes,
@@ -223,9 +227,9 @@ impl Model {
         };
         let judge = Some(JudgeBasis { projection: judge, modal: modal_of_judge, rule });
         let vectors = Some(vectors);
-        let bare = Self::bare(scene, theory, dynamics, unknowns, discretisation);
+        let bare = Self::bare(comm, (scene, theory), dynamics, unknowns, discretisation);
         let model =
-            Self { vectors, short_waves, judge, known, gauges, measures, is_moved_by_loads, may_lower_shift, ..bare };
+            Self { vectors, short_waves, judge, known, gauges, measures, is_untouched, may_lower_shift, ..bare };
         let model = Self { cell_size: size, ..model };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
@@ -236,8 +240,15 @@ impl Model {
     }
 
     /// A model without basis and without error estimates.
-    fn bare(scene: &Scene, theory: scene::Model, dynamics: Dynamics, unknowns: usize, discretisation: String) -> Self {
+    fn bare(
+        comm: &Comm,
+        (scene, theory): (&Scene, scene::Model),
+        dynamics: Dynamics,
+        unknowns: usize,
+        discretisation: String,
+    ) -> Self {
         Self {
+            comm: comm.clone(),
             tolerance: scene.tolerance,
             theory,
             dynamics,
@@ -248,7 +259,7 @@ impl Model {
             short_waves: None,
             judge: None,
             known: Vec::new(),
-            is_moved_by_loads: false,
+            is_untouched: false,
             error: ErrorEstimate::default(),
             reason: None,
             gauges: None,

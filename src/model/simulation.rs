@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use petsc_wrap::Comm;
+
 use crate::contact::Patch;
 use crate::error::Result;
 use crate::impact::checkpoint::Checkpoint;
@@ -10,15 +12,19 @@ use crate::impact::{Cause, Count, ErrorEstimate, Errors, ModalImpact, Observer, 
 use crate::scene::{Scene, Vec3};
 use crate::space::evaluate::FieldSampler;
 
-use super::{Dynamics, Gauges, Model};
+use super::{Dynamics, Gauges, Model, led};
 
 /// An impact simulation that is ready to run.
 pub struct Simulation {
     integration: Box<dyn TimeIntegration>,
+    /// Ranks of which the first computes the run; `None` if all ranks take each step together.
+    led: Option<Comm>,
+    /// Work that the first of these ranks has done.
+    count: Option<Count>,
     /// Estimated error by basis, discretisation and theory.
     of_model: ErrorEstimate,
-    /// Same as [`Model::is_moved_by_loads`].
-    is_moved_by_loads: bool,
+    /// Same as [`Model::is_untouched`].
+    is_untouched: bool,
     patch: Option<Patch>,
     sampler: Option<FieldSampler>,
     /// Names of the faces whose largest tension is read; on rank 0.
@@ -33,7 +39,8 @@ impl Simulation {
     /// # Errors
     /// A fault of the scene if an explicit time step is unstable; or if a PETSc call fails.
     pub fn new(scene: &Scene, model: Model) -> Result<Self> {
-        let (of_model, is_moved_by_loads, patch) = (model.error, model.is_moved_by_loads, model.dynamics.patch());
+        let (of_model, is_untouched, patch) = (model.error, model.is_untouched, model.dynamics.patch());
+        let is_led = matches!(model.dynamics, Dynamics::Modal(_)) && model.comm.size() > 1;
         let mut integration: Box<dyn TimeIntegration> = match model.dynamics {
             Dynamics::Stepped(body) => Box::new(SteppedImpact::new(scene, *body)?),
             Dynamics::Modal(body) => {
@@ -47,7 +54,8 @@ impl Simulation {
             integration.set_readout(readout)?;
             sampler = of_fields;
         }
-        Ok(Self { integration, of_model, is_moved_by_loads, patch, sampler, faces, face_points })
+        let led = Some(model.comm).filter(|_| is_led);
+        Ok(Self { integration, led, count: None, of_model, is_untouched, patch, sampler, faces, face_points })
     }
 
     /// Hands out the sampler that makes fields of readings, once; on rank 0, if the scene asks for fields.
@@ -85,7 +93,10 @@ impl Simulation {
     /// # Errors
     /// Same as [`TimeIntegration::run_watched`].
     pub fn run_watched(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
-        self.integration.run_watched(observer)
+        let Some(comm) = &self.led else { return self.integration.run_watched(observer) };
+        let (flow, count) = led::run(comm, &mut *self.integration, observer)?;
+        self.count = Some(count);
+        Ok(flow)
     }
 
     /// Runs the impact and calls a closure at each step. Collective.
@@ -108,7 +119,7 @@ impl Simulation {
 
     /// Work done by the runs so far.
     pub fn count(&self) -> Count {
-        self.integration.count()
+        self.count.unwrap_or_else(|| self.integration.count())
     }
 
     /// Estimated error by basis, discretisation, theory, time steps and patch, as far as each is known. Empty if only
@@ -116,7 +127,7 @@ impl Simulation {
     pub fn error(&self) -> ErrorEstimate {
         let Count { error, stress_error, stress_history_error, deflection_error, .. } = self.count();
         let error = match error {
-            Some(history) if !self.is_moved_by_loads => {
+            Some(history) if !self.is_untouched => {
                 let known = |error: Option<f64>| error.unwrap_or(f64::NAN);
                 let of_steps = Errors {
                     first_contact: 0.0,

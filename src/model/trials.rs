@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use petsc_wrap::Comm;
 
+use crate::agree::of_root;
 use crate::body::{Body, FEW_MODES, ModalBody, Projection};
 use crate::error::Result;
 use crate::impact::step::Step;
@@ -85,7 +86,10 @@ impl<'a> Trials<'a> {
         let trial = self.watch.shared(self.force_here(modal, steps, projection));
         // An interrupted rank has only a part of the force, so all ranks end here.
         self.watch.at(Stage::Trial)?;
-        trial
+        let Trial { force, steps, known, modal } = trial?;
+        // Further steps are chosen by this force, which must be the same on all ranks to the last digit.
+        let (force, steps, known) = of_root(self.comm, Some((force, steps, known)));
+        Ok(Trial { force, steps, modal, known })
     }
 
     /// Computes the force in the basis's own time steps, if it has many more vectors than the basis for which the steps

@@ -6,7 +6,8 @@ use crate::error::Result;
 use crate::impact::checkpoint::Visitor;
 use crate::impact::step::Step;
 
-/// Uninterrupted contact: a maximal sequence of consecutive steps with F > 0.
+/// Uninterrupted contact, from the first step with F > 0 until α falls to zero. Damping can reduce F to zero before that,
+/// and to rounding errors of either sign.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Episode {
     /// Time at which α rises through zero, s: between the last step without force and the first step with force.
@@ -32,8 +33,8 @@ impl Episodes {
     /// Adds the next step. Steps must come in the order of time, without gaps.
     pub fn push(&mut self, step: &Step) {
         let last = self.last.replace(*step);
-        let was_open = last.is_some_and(|last| last.contact.force > 0.0);
-        let is_open = step.contact.force > 0.0;
+        let was_open = self.was_open(last.as_ref());
+        let is_open = step.contact.force > 0.0 || was_open && step.contact.approach > 0.0;
         if is_open && !was_open {
             self.all.push(Episode {
                 start: last.map_or(step.time, |last| crossing(&last, step)),
@@ -108,7 +109,14 @@ impl Episodes {
 
     /// Whether the body and the impactor are in contact at the last step.
     pub fn is_open(&self) -> bool {
-        self.last.is_some_and(|last| last.contact.force > 0.0)
+        self.was_open(self.last.as_ref())
+    }
+
+    /// Whether the contact lasts at the last step.
+    fn was_open(&self, last: Option<&Step>) -> bool {
+        // The last episode ends there as long as it lasts.
+        let lasts = |last: &Step| last.contact.approach > 0.0 && self.all.last().is_some_and(|of| of.end == last.time);
+        last.is_some_and(|last| last.contact.force > 0.0 || lasts(last))
     }
 }
 
@@ -205,6 +213,19 @@ mod tests {
                 assert!((time - exact).abs() < bound, "{time} {exact} {bound}");
             }
         }
+    }
+
+    /// The force of a damped contact vanishes to rounding long before α does: there is one contact, which ends with α.
+    #[test]
+    fn a_contact_lasts_as_long_as_the_indentation() {
+        let mut episodes = Episodes::default();
+        for (n, force) in [0.0, 3.0, 1e-13, 0.0, 2e-13, 0.0, 0.0, 0.0].into_iter().enumerate() {
+            let indentation = if n == 0 { 0.0 } else { 5.5 - n as f64 };
+            episodes.push(&step(n, n as f64, (indentation, -1.0), force));
+        }
+        let [Episode { start, end, .. }] = *episodes.all() else { panic!("{:?}", episodes.all()) };
+        // α is linear between the last steps: its zero is found to rounding.
+        assert!(start < 1.0 && (end - 5.5).abs() < 1e-14 && !episodes.is_open());
     }
 
     #[test]

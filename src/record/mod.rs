@@ -15,3 +15,4 @@ pub mod series;
 pub mod stress;
 pub mod sweep;
 pub mod target;
+pub mod useless;

@@ -44,6 +44,8 @@ pub struct Provenance {
     /// Number of rows that the run will record if the time steps are fixed. It determines the chunk size of the series,
     /// so that a run with this number of rows never has to enlarge the file.
     pub planned_rows: Option<usize>,
+    /// Warnings and notes of the run, each in a line; complete at the end of the run.
+    pub warnings: String,
 }
 
 /// Description of a model for reports, in addition to its name.
@@ -82,6 +84,9 @@ impl ModelDetails {
         })
     }
 }
+
+/// Name of the attribute with the warnings and notes of a run.
+const WARNINGS: &str = "warnings";
 
 /// Name of the attribute with the estimated error of the deflection.
 const DEFLECTION_ERROR: &str = "deflection_error_estimate";
@@ -193,6 +198,7 @@ impl Provenance {
             ("petsc_options", &self.petsc_options),
             ("model", &self.model),
             ("reduction", &self.reduction),
+            (WARNINGS, &self.warnings),
         ] {
             write_text(root, name, text)?;
         }
@@ -234,6 +240,8 @@ impl Provenance {
             unknowns: count("unknowns")?,
             impactor_mass: root.attr("impactor_mass")?.read_scalar()?,
             planned_rows: count("planned_rows").ok(),
+            // Older results do not have them.
+            warnings: words(WARNINGS).unwrap_or_default(),
         })
     }
 }
@@ -277,6 +285,12 @@ pub(super) fn write_text(at: &Location, name: &str, text: &str) -> Result<()> {
 /// Reads a text attribute.
 pub(super) fn text(at: &Location, name: &str) -> Result<String> {
     at.attr(name)?.read_scalar::<VarLenUnicode>().map(|text| text.to_string())
+}
+
+/// Overwrites the warnings of a result.
+pub(super) fn update_warnings(root: &Location, text: &str) -> Result<()> {
+    let text: VarLenUnicode = text.parse().map_err(|_| "a warning holds a NUL character".to_owned())?;
+    root.attr(WARNINGS)?.write_scalar(&text)
 }
 
 /// Creates an attribute with one value.

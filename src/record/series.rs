@@ -16,7 +16,7 @@ use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written
 use crate::record::episodes::Episodes;
 use crate::record::fields;
 use crate::record::probes::ProbeDatasets;
-use crate::record::provenance::{Cost, Provenance, write_scalar};
+use crate::record::provenance::{Cost, Provenance, update_warnings, write_scalar};
 use crate::record::stress::{EarlierTensions, Faces, LargestTension, MapDatasets, TensionDatasets, rings};
 use crate::record::target;
 use crate::space::evaluate::TensionMap;
@@ -86,6 +86,8 @@ pub struct SeriesWriter {
     map_is_new: bool,
     /// Largest tension of the whole run; NaN if no stresses are read.
     largest: LargestTension,
+    /// Warnings and notes of the run.
+    warnings: String,
     /// Whether an older result keeps its name until this result is complete.
     waits: bool,
     /// Whether the run continues the result at `path`; the checkpoint of that result is then kept.
@@ -139,6 +141,7 @@ impl SeriesWriter {
             map: TensionMap::default(),
             map_is_new: false,
             largest: LargestTension::default(),
+            warnings: provenance.warnings.clone(),
             waits: false,
             goes_on: false,
             every: 1,
@@ -297,6 +300,11 @@ impl SeriesWriter {
         self.largest = largest;
     }
 
+    /// Sets the warnings and notes of the run.
+    pub fn set_warnings(&mut self, warnings: String) {
+        self.warnings = warnings;
+    }
+
     /// Finishes the result: writes the last rows, the cost of the run, and whether the run is complete. If the run is
     /// not complete and this process has taken no step, the existing result remains as it is.
     ///
@@ -310,6 +318,7 @@ impl SeriesWriter {
         let mark = || {
             cost.update(&self.file)?;
             self.largest.update(&self.file, &self.faces.names)?;
+            update_warnings(&self.file, &self.warnings)?;
             self.file.attr("complete")?.write_scalar(&complete)?;
             self.file.flush()
         };

@@ -34,7 +34,7 @@ pub fn section(data: &Data) -> Section {
     if let Some(stresses) = &data.stresses {
         rows.push(Fact::new("Estimated error of the largest tension", stress_error(data, stresses).sentence()));
     }
-    let parts = vec![
+    let mut parts = vec![
         Part::Facts(Facts { caption: "Model".to_owned(), rows }),
         Part::Text(
             "The estimate of the acceleration’s error combines the estimated errors of the cells, the basis, the selected theory, \
@@ -48,6 +48,12 @@ pub fn section(data: &Data) -> Section {
                 .to_owned(),
         ),
     ];
+    let said = origin.warnings.lines().filter_map(|line| line.split_once(": "));
+    let rows: Vec<Fact> =
+        said.map(|(kind, text)| Fact::new(sentence(kind).trim_end_matches('.'), sentence(text))).collect();
+    if !rows.is_empty() {
+        parts.push(Part::Facts(Facts { caption: "Warnings and notes of the run".to_owned(), rows }));
+    }
     Section { id: "model", title: "Model", parts }
 }
 

@@ -168,7 +168,7 @@ fn impactor(Scene { impactor, contact, .. }: &Scene) -> Vec<Fact> {
 /// A speed, with the height of the free fall that leads to it.
 fn drop(speed: f64) -> String {
     let height = speed * speed / (2.0 * STANDARD_GRAVITY);
-    format!("{} (as after a fall of {})", given(speed, SPEED), computed(height, LENGTH))
+    format!("{} (as after a fall of {})", computed(speed, SPEED), computed(height, LENGTH))
 }
 
 fn law(law: &ForceLaw) -> String {
@@ -248,7 +248,7 @@ pub fn sentence(scene: &Scene) -> String {
         "A rigid impactor of {}{surface} hits a {} at {}, at the point {}. {supports}",
         given(*mass, MASS),
         shape(&scene.body),
-        given(*speed, SPEED),
+        computed(*speed, SPEED),
         where_hit(*point)
     )
 }

@@ -4,6 +4,7 @@ use crate::impact::step::{Contact, Energy, Motion, Step};
 use crate::model::{self, Linearity};
 use crate::record::extremes::Extreme;
 use crate::record::stress::{Passed, StrengthVerdict};
+use crate::record::useless::Printed;
 use crate::scene::Model;
 
 use super::data::Data;
@@ -25,7 +26,7 @@ pub fn summary(data: &Data) -> Summary {
     };
     Summary {
         sentence: data.scene.as_ref().map_or_else(|_| unread(), sentence),
-        verdicts: [incomplete(data), strength(data), deflection(data)].into_iter().flatten().collect(),
+        verdicts: [incomplete(data), useless(data), strength(data), deflection(data)].into_iter().flatten().collect(),
         facts: facts(data),
     }
 }
@@ -39,6 +40,23 @@ fn incomplete(data: &Data) -> Option<Verdict> {
     let wanted = data.scene.as_ref().map_or(String::new(), |scene| format!(" of {}", given(scene.time.end, TIME)));
     let text = format!("The run was ended at {}{wanted}. All values are those up to then.", computed(data.end(), TIME));
     (!data.is_complete).then(|| verdict(Grade::Open, "Incomplete", text))
+}
+
+/// Conclusion if the estimated error of a key figure is so large that it is of no use.
+fn useless(data: &Data) -> Option<Verdict> {
+    let (largest, details) = (data.extremes.as_ref()?, data.provenance.model_details.as_ref());
+    let printed = Printed {
+        first_end: data.contacts.episodes.first().map(|first| first.end),
+        peak_time: largest.force.time,
+        first_contact_error: details.map_or(f64::NAN, |details| details.first_contact_error),
+        history_error: data.cost.error_estimate,
+        deflection_error: data.cost.deflection_error_estimate,
+        stress_error: data.stresses.as_ref().map_or(f64::NAN, |of| of.error_estimate),
+    };
+    let useless: Vec<String> =
+        printed.useless().iter().map(|(name, error)| format!("{name}: {}", percent(*error))).collect();
+    let text = format!("Estimated errors over the peak: {}. Do not use these numbers.", useless.join("; "));
+    (!useless.is_empty()).then(|| verdict(Grade::Open, "Numbers of no use", text))
 }
 
 /// Conclusion on the strength; `None` if the scene gives no strength.

@@ -76,5 +76,6 @@ pub fn provenance(title: &str, planned_rows: Option<usize>) -> Provenance {
         unknowns: 4711,
         impactor_mass: MASS,
         planned_rows,
+        warnings: "warning: one\nnote: another".into(),
     }
 }

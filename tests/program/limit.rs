@@ -78,6 +78,14 @@ fn the_lower_one_of_two_limits() {
     assert_eq!((&lower["outcome"], &upper["outcome"]), (&"reached".into(), &"passed_up_to_value".into()));
     let [first, second] = [&lower, &upper].map(|facts| of(facts, "/limit/value"));
     assert!(2e8 < first && first < 5e8 && 5e8 < second && second < 1e9, "{first} {second}");
+    // The first search also computes the upper end of its range, where the strength is not exceeded.
+    assert_eq!(of(&lower, "/limit/crossed_again_at"), 1e9);
+    assert_eq!((&lower["limit"]["safe_side"], &upper["limit"]["safe_side"]), (&"below".into(), &"above".into()));
+    assert!(upper["limit"]["crossed_again_at"].is_null());
+    let said = good(&folder, 0, "limit scene.toml --vary support.0.stiffness=2e8..1e9");
+    let first = said.stdout.lines().next().unwrap();
+    assert!(first.ends_with("not exceeded below it, and again not at 1e9 N/m3"), "{said:#?}");
+    assert!(said.stderr.contains("exceeded in both directions"), "{said:#?}");
     for facts in [&lower, &upper] {
         assert!((of(facts, "/limit/ratio") - 1.0).abs() < 1e-2, "{facts:#}");
     }
@@ -87,6 +95,8 @@ fn a_thickness_is_passed_up_to_its_limit() {
     let folder = pane(45e6);
     let outcome = good(&folder, 0, "limit scene.toml --vary body.size.2=0.01..0.1");
     assert!(outcome.stdout.starts_with("limit: body.size.2 = 0.05"), "{outcome:#?}");
+    let first = outcome.stdout.lines().next().unwrap();
+    assert!(first.ends_with("the strength is not exceeded above it"), "{outcome:#?}");
     assert!(outcome.stdout.contains("already exceeded at the lower end, 0.01 m"), "{outcome:#?}");
     let rows = outcome.stderr.lines().filter(|line| line.contains("lower ")).count();
     assert!(outcome.stdout.contains(&format!("{rows} runs")), "{outcome:#?}");

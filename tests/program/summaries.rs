@@ -5,9 +5,10 @@ use std::fs;
 use mpi_test::{PlainTest, tests};
 use serde_json::Value;
 
+use crate::glass::{scene, sides};
 use crate::program::{BOX, ricochet, run};
 use crate::restarts::refused;
-use crate::results::{column, folder, good, open, pane, words};
+use crate::results::{column, folder, good, number, open, pane, text, words};
 
 pub const TESTS: &[PlainTest] = tests![
     the_largest_values_are_those_of_the_series,
@@ -15,6 +16,9 @@ pub const TESTS: &[PlainTest] = tests![
     a_sweep_repeats_the_warnings_of_its_members,
     quiet_runs_say_nothing_but_warnings,
     a_run_by_default_keeps_off_the_result_of_another_scene,
+    warnings_are_kept_with_the_result,
+    useless_numbers_are_told,
+    nothing_is_estimated_without_a_contact,
     completions_schema_and_manual,
 ];
 
@@ -175,5 +179,66 @@ fn completions_schema_and_manual() {
     ] {
         let outcome = run(ricochet(folder.path(), 0).args(words(line)));
         assert_eq!((outcome.status, outcome.stderr.contains(why)), (Some(4), true), "{outcome:#?}");
+    }
+}
+
+/// A pane of 0.5 m by 0.5 m on springs, hit by an impactor of 20 kg at 3 m/s.
+fn heavy(thickness: f64, end: f64, tolerance: f64) -> String {
+    let rest = format!("{}[accuracy]\ntolerance = {tolerance:?}\n", sides(1e9, 0.0));
+    let body = format!("size = [0.5, 0.5, {thickness:?}]");
+    scene(&body, "mass = 20.0\nspeed = 3.0", &format!("end = {end:?}"), &rest)
+}
+
+/// All warnings and notes that a run prints are in its result, and in what `info` and `report` say of it, even if the
+/// notes were not printed.
+fn warnings_are_kept_with_the_result() {
+    let folder = folder(&heavy(0.01, 2e-3, 1e-2));
+    let said = good(&folder, 0, "run scene.toml -o out.h5").stderr;
+    let is_remark = |line: &&str| line.starts_with("warning: ") || line.starts_with("note: ");
+    let remarks: Vec<&str> = said.lines().filter(is_remark).collect();
+    assert!(remarks.iter().any(|line| line.starts_with("warning: ")) && remarks.len() > 1, "{said}");
+    assert_eq!(text(&open(folder.path().join("out.h5")), "warnings"), remarks.join("\n"));
+    good(&folder, 2, "run scene.toml -o quiet.h5 -q");
+    let facts: Value = serde_json::from_str(&good(&folder, 0, "info --json quiet.h5").stdout).unwrap();
+    assert_eq!(facts["warnings"], serde_json::json!(remarks));
+    let info = good(&folder, 0, "info quiet.h5").stdout;
+    good(&folder, 0, "report quiet.h5 -o quiet.html");
+    let page = fs::read_to_string(folder.path().join("quiet.html")).unwrap();
+    for remark in remarks {
+        assert!(info.contains(remark), "{remark}: {info}");
+        // Without its first letter, which is a capital there, and up to the first sign that HTML writes otherwise.
+        let text = remark.split_once(": ").unwrap().1;
+        let plain = text[1..].split(['"', '\'', '<', '>', '&']).next().unwrap();
+        assert!(page.contains(plain), "{plain}");
+    }
+}
+
+/// The largest force is in a later contact, where the histories on two bases differ: it is of no use, although the first
+/// contact is good. The result is written, and --force accepts it. In a run that ends before, and in one whose largest
+/// force is in the first contact, the number holds.
+fn useless_numbers_are_told() {
+    let folder = folder(&heavy(0.015, 0.006, 0.4));
+    let outcome = run(ricochet(folder.path(), 0).args(words("run scene.toml -o out.h5")));
+    assert_eq!(outcome.status, Some(3), "{outcome:#?}");
+    assert!(outcome.stderr.contains("of no use") && outcome.stderr.contains("peak force"), "{outcome:#?}");
+    let file = open(folder.path().join("out.h5"));
+    let [history, first] = ["error_estimate", "first_contact_error"].map(|name| number::<f64>(&file, name));
+    assert!(history > 0.5 && first < 0.4 && number::<bool>(&file, "complete"), "{history} {first}");
+    good(&folder, 0, "report out.h5 -o out.html");
+    let page = fs::read_to_string(folder.path().join("out.html")).unwrap();
+    assert!(page.contains("<span aria-hidden=\"true\">!</span> Numbers of no use."), "no sign");
+    let forced = good(&folder, 2, "run scene.toml -o forced.h5 --force");
+    assert_eq!(forced.stderr.matches("of no use").count(), 1, "{forced:#?}");
+    good(&folder, 0, "run scene.toml -o short.h5 --set time.end=1e-3");
+    good(&folder, 0, "run scene.toml -o light.h5 --set impactor.mass=1");
+}
+
+/// Where nothing was hit, there is no error, not even a small one.
+fn nothing_is_estimated_without_a_contact() {
+    for more in ["", " --set body.model=half-space", " --set body.model=mindlin --set time.step=1e-5"] {
+        let folder = folder(&heavy(0.02, 2e-3, 1e-2));
+        let said = good(&folder, 0, &format!("run scene.toml -o out.h5 --set impactor.gap=1{more}"));
+        assert!(said.stdout.contains("contacts: none") && !said.stdout.contains("estimated error"), "{said:#?}");
+        assert!(number::<f64>(&open(folder.path().join("out.h5")), "error_estimate").is_nan());
     }
 }

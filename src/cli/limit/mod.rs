@@ -70,7 +70,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     };
     let larger = ends.into_iter().flatten().max_by(|one, other| one.0.ratio.total_cmp(&other.0.ratio));
     let discretisation = larger.map(|(_, discretisation)| discretisation);
-    let found = search(&range, scene.tolerance, |value| {
+    let mut ratio = |value: f64| {
         let (utilisation, _) = run(value, discretisation.as_ref())?;
         let ratio = utilisation.ratio;
         trials.push(Trial { value, utilisation });
@@ -78,7 +78,15 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
             note(format_args!("{}", line(&range, trials.len(), last)));
         }
         Ok::<_, Error>(ratio)
-    })?;
+    };
+    let found = search(&range, scene.tolerance, &mut ratio)?;
+    // The upper end of the range shows whether the ratio crosses 1 again. That it cannot be computed there is no error.
+    if found.root.is_some() && found.samples.iter().all(|sample| sample.value < range.to) {
+        match ratio(range.to) {
+            Ok(_) | Err(Error::Solve(_) | Error::Unstable(_) | Error::Fault(_) | Error::Scene(_)) => {}
+            Err(error) => return Err(error),
+        }
+    }
     let report = Report::new(&range, scene.tolerance, &found, &trials);
     if comm.is_root() {
         if arguments.json {

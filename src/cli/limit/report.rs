@@ -64,6 +64,10 @@ struct LimitFacts<'a> {
     peak_force: f64,
     is_jump: bool,
     is_converged: bool,
+    /// On which side of the limit the strength is not exceeded: "below" or "above".
+    safe_side: &'static str,
+    /// Nearest computed value above the limit that contradicts this, because the strength is exceeded in both directions.
+    crossed_again_at: Option<f64>,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -80,6 +84,13 @@ impl<'a> From<&'a Trial> for RunFacts<'a> {
         let Utilisation { ratio, tension, face, time, .. } = utilisation;
         Self { value: *value, ratio: *ratio, tension: *tension, face, time: *time }
     }
+}
+
+/// The lowest computed value above the limit at which the strength is exceeded, if it is not exceeded just above the limit,
+/// or the other way round.
+fn crossed_again(trials: &[Trial], limit: f64, is_rising: bool) -> Option<f64> {
+    let is_contrary = |trial: &&Trial| trial.value > limit && (trial.utilisation.ratio >= 1.0) != is_rising;
+    trials.iter().filter(is_contrary).map(|trial| trial.value).reduce(f64::min)
 }
 
 impl<'a> Report<'a> {
@@ -103,6 +114,8 @@ impl<'a> Report<'a> {
                 peak_force: utilisation.peak_force,
                 is_jump: root.is_jump,
                 is_converged: root.is_converged,
+                safe_side: if root.is_rising { "below" } else { "above" },
+                crossed_again_at: crossed_again(trials, *value, root.is_rising),
             }
         });
         let mut samples: Vec<RunFacts> = trials.iter().map(RunFacts::from).collect();
@@ -184,9 +197,15 @@ impl<'a> Report<'a> {
             uncertainty => format!("{value} ± {}{unit}", significant(uncertainty, UNCERTAINTY)),
         };
         say(format_args!(
-            "limit: {} = {value}, where the largest tension is {} of the strength",
+            "limit: {} = {value}, where the largest tension is {} of the strength; the strength is not exceeded {} it{}",
             self.key,
-            short(limit.ratio)
+            short(limit.ratio),
+            limit.safe_side,
+            match (limit.crossed_again_at, limit.safe_side) {
+                (None, _) => String::new(),
+                (Some(value), "below") => format!(", and again not at {}", self.shown(value)),
+                (Some(value), _) => format!(", but again at {}", self.shown(value)),
+            }
         ));
         let [x, y, z] = limit.point.map(coordinate);
         say(format_args!(
@@ -229,6 +248,14 @@ impl<'a> Report<'a> {
             remarks.push(format!(
                 "warning: the search stopped after {} runs, before the limit of {} was accurate enough: search a smaller range",
                 self.runs, self.key
+            ));
+        }
+        if let Some(value) = self.limit.as_ref().and_then(|limit| limit.crossed_again_at) {
+            remarks.push(format!(
+                "warning: the strength is exceeded in both directions: between the limit and {} = {} there is another limit; \
+                 search smaller ranges",
+                self.key,
+                self.shown(value)
             ));
         }
         if !self.is_lowest_by_curvature {

@@ -1,8 +1,9 @@
 //! Remarks on estimated errors: of a model before a run, and of a result after it.
 
-use crate::impact::{Cause, ErrorEstimate, beside, estimated};
-use crate::model::{self, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, Model, ShortWaves};
+use crate::impact::{Cause, ErrorEstimate, Errors, beside, estimated};
+use crate::model::{self, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, Model, OTHER_CONTACTS, ShortWaves};
 use crate::record::stress::LargestTension;
+use crate::record::useless::USELESS;
 use crate::scene::{Contact, Geometry, Measure, Model as Theory, Reduction, Scene};
 use crate::space::spline;
 
@@ -45,9 +46,6 @@ pub const GROWTH: f64 = 1.2;
 pub const UNESTIMATED_ROTATIONS: &str = "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
                                          accuracy.quantity = \"deflection\" includes them";
 
-/// Error in the first contact over the peak, above which a time history is of no use.
-pub const USELESS: f64 = 0.5;
-
 /// Warning for a run whose estimated error in the first contact is above the tolerance; `None` if it is not.
 pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
     let tolerance = scene.tolerance;
@@ -62,7 +60,8 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
         "the estimated error{of_what}{part} is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          {}",
         beside(error, tolerance),
-        remedies(&estimate, &estimate.causes_to_mend(scene.measure, tolerance), scene)
+        remedies(&estimate, &estimate.causes_to_mend(scene.measure, tolerance), scene, |errors| errors
+            .of(scene.measure))
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
 }
@@ -112,14 +111,18 @@ pub fn of_deflection(estimate: &ErrorEstimate, scene: &Scene) -> Vec<String> {
         Measure::Deflection => return notes,
     };
     if error > LARGE_ERROR_OF_DEFLECTION {
+        // Cells that cannot be refined for the acceleration cannot be refined for the deflection either.
+        let of_cells = estimate.of(Cause::Cells).unwrap_or_default();
+        let is_at_limit =
+            of_cells.deflection > LARGE_ERROR_OF_DEFLECTION && of_cells.of(scene.measure) > scene.tolerance;
         let remedy = match scene.body.reduction {
-            Reduction::Vectors(_) => "body.reduction = \"auto\" in place of a number",
-            _ => "accuracy.quantity = \"deflection\"",
+            Reduction::Vectors(_) => "; body.reduction = \"auto\" in place of a number may lower this error",
+            _ if is_at_limit => "",
+            _ => "; accuracy.quantity = \"deflection\" may lower this error",
         };
         notes.push(format!(
             "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value. \
-             Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only; \
-             {remedy} may lower this error",
+             Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only{remedy}",
             estimated(error)
         ));
     }
@@ -161,10 +164,11 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     let (measure, tolerance) = (scene.measure, scene.tolerance);
     let mut missed = Vec::new();
     let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().stress.is_nan();
-    let remedies_of_stress = || remedies(estimate, &estimate.causes_to_mend(measure, tolerance), scene);
+    let remedies_of_measure =
+        || remedies(estimate, &estimate.causes_to_mend(measure, tolerance), scene, |errors| errors.of(measure));
     if measure == Measure::Stress && is_for_another_place {
         let (error, help) = if errors.stress > tolerance {
-            (beside(errors.stress, tolerance), format!("; {}", remedies_of_stress()))
+            (beside(errors.stress, tolerance), format!("; {}", remedies_of_measure()))
         } else {
             (estimated(errors.stress), String::new())
         };
@@ -177,7 +181,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             "the estimated error of the largest tension in the first contact is {} with that of the steps, above accuracy.tolerance = {tolerance:e}; \
              {}",
             beside(errors.stress, tolerance),
-            remedies_of_stress()
+            remedies_of_measure()
         ));
     }
     let error_of_deflection = estimate.of_deflection();
@@ -186,7 +190,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             "the estimated error of the deflection under the impactor, including that of the steps, is {} of its largest value, \
              above accuracy.tolerance = {tolerance:e}; {}",
             beside(error_of_deflection, tolerance),
-            remedies(estimate, &estimate.causes_to_mend(measure, tolerance), scene)
+            remedies_of_measure()
         ));
     }
     missed.extend(of_tension(estimate, scene, is_for_another_place));
@@ -206,7 +210,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
         missed.push(format!(
             "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for {scope}{later}; \
              {}{step}",
-            remedies(estimate, &estimate.main_causes_of_history(), scene)
+            remedies(estimate, &estimate.main_causes_of_history(), scene, |errors| errors.history)
         ));
     }
     missed
@@ -221,15 +225,25 @@ pub fn scope_of_tolerance(measure: Measure) -> &'static str {
     }
 }
 
-/// Settings that may reduce the errors of these causes: a clause.
-fn remedies(estimate: &ErrorEstimate, causes: &[Cause], scene: &Scene) -> String {
+/// Settings that may reduce the errors of these causes: a clause. `error` selects the error that is too large.
+fn remedies(estimate: &ErrorEstimate, causes: &[Cause], scene: &Scene, error: impl Fn(&Errors) -> f64) -> String {
     let is_plate = match scene.body.model {
         Theory::Solid => false,
         // A plate that was selected has an error of the theory.
         Theory::Auto => estimate.of(Cause::Theory).is_some(),
         _ => true,
     };
-    let mut remedies: Vec<&str> = causes.iter().filter_map(|cause| remedy(*cause, scene, is_plate)).collect();
+    let mut remedies: Vec<&str> = causes
+        .iter()
+        .filter_map(|cause| {
+            let errors = estimate.of(*cause).unwrap_or_default();
+            // Cells and basis are refined until the error that the tolerance applies to is within the tolerance, unless a
+            // limit of their size is reached. A smaller tolerance does not help then, nor against different contacts.
+            let is_at_limit = errors.of(scene.measure) > scene.tolerance || error(&errors) > OTHER_CONTACTS;
+            let is_main = error(&errors) > scene.tolerance;
+            remedy(*cause, scene, is_plate, [is_at_limit, is_main])
+        })
+        .collect();
     if remedies.is_empty() {
         return "no setting lowers this estimate".to_owned();
     }
@@ -238,14 +252,17 @@ fn remedies(estimate: &ErrorEstimate, causes: &[Cause], scene: &Scene) -> String
     format!("what may lower it: {}", remedies.join(", or "))
 }
 
-/// Setting that may reduce the error of a cause, if there is one.
-fn remedy(cause: Cause, scene: &Scene, is_plate: bool) -> Option<&'static str> {
+/// Setting that may reduce the error of a cause, if there is one. `is_at_limit`: a smaller tolerance cannot lower it;
+/// `is_main`: it is above the tolerance without the other causes.
+fn remedy(cause: Cause, scene: &Scene, is_plate: bool, [is_at_limit, is_main]: [bool; 2]) -> Option<&'static str> {
     let is_of_layers = scene.body.composition.uniform().is_none();
     match cause {
         Cause::Basis if matches!(scene.body.reduction, Reduction::Vectors(_)) => {
             Some("body.reduction = \"auto\" in place of a number")
         }
         Cause::Patch => Some("finer cells at the impact point"),
+        // A solid has errors of its own, which are as large as a small error of the theory.
+        Cause::Theory if is_plate && !is_main => None,
         Cause::Theory if is_plate && spline::admits(scene).is_ok() => Some("body.model = \"solid\""),
         Cause::Theory if is_plate && is_of_layers => Some(
             "body.model = \"solid\" on a fine mesh by body.cells (its error is not estimated, and it has no stresses between layers)",
@@ -259,6 +276,7 @@ fn remedy(cause: Cause, scene: &Scene, is_plate: bool) -> Option<&'static str> {
             Some("body.model = \"solid\"")
         }
         Cause::LocalField | Cause::ContactLaw => None,
+        _ if is_at_limit => None,
         Cause::Basis | Cause::Cells | Cause::Steps | Cause::Theory => Some("a smaller accuracy.tolerance"),
     }
 }
@@ -273,7 +291,6 @@ fn gives_wide_disc(scene: &Scene) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::impact::Errors;
 
     /// A pane; `more` has further keys of `[body]` or `[time]`, with the table's name.
     fn pane(more: &str) -> Scene {
@@ -349,10 +366,11 @@ mod tests {
     /// tolerance is for, and does not call it the largest.
     #[test]
     fn a_tolerance_for_stresses_is_for_what_is_estimated() {
-        for (stress, is_above) in [(2e-2, true), (9e-3, false)] {
+        // Each cause is within the tolerance; both together may be above it.
+        for (stress, is_above) in [(9e-3, true), (5e-3, false)] {
             let errors =
                 Errors { first_contact: 1e-3, history: 1e-3, stress, stress_history: stress, deflection: 1e-3 };
-            let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
+            let estimate = ErrorEstimate::default().with(Cause::Cells, errors).with(Cause::Basis, errors);
             let scene = Scene { measure: Measure::Stress, ..pane("") };
             for was_warned in [true, false] {
                 let told = missed(&estimate, &scene, was_warned, &LargestTension::default());
@@ -409,7 +427,7 @@ mod tests {
     fn advice_is_for_the_main_cause() {
         let told = |more: &str, cause: Cause| {
             let estimate = ErrorEstimate::default()
-                .with(cause, Errors::throughout(2e-2))
+                .with(cause, Errors { history: 2e-2, ..Errors::throughout(9e-3) })
                 .with(Cause::Steps, Errors::throughout(1e-3));
             missed(&estimate, &pane(more), false, &LargestTension::default()).concat()
         };
@@ -417,6 +435,17 @@ mod tests {
             let told = told(more, cause);
             assert!(told.ends_with(&format!("what may lower it: {end}")), "{told}");
         };
+        // A solid is no remedy for the small error of a theory, nor is a tolerance that cells could not meet.
+        let small = ErrorEstimate::default()
+            .with(Cause::Theory, Errors { history: 9e-3, ..Errors::throughout(1e-3) })
+            .with(Cause::Cells, Errors { history: 2e-2, ..Errors::throughout(9e-3) });
+        let message = |estimate: &ErrorEstimate| missed(estimate, &pane(""), true, &LargestTension::default()).concat();
+        assert!(message(&small).ends_with("what may lower it: a smaller accuracy.tolerance"), "{}", message(&small));
+        let stuck = ErrorEstimate::default()
+            .with(Cause::Cells, Errors { history: 8e-2, deflection: 0.3, ..Errors::throughout(4e-2) })
+            .with(Cause::Basis, Errors::throughout(1e-3));
+        let told = message(&stuck);
+        assert!(!told.contains("accuracy.quantity") && told.ends_with("no setting lowers this estimate"), "{told}");
         ends("", Cause::Patch, "finer cells at the impact point");
         ends("", Cause::Cells, "a smaller accuracy.tolerance");
         ends("[body]\nreduction = 20\n", Cause::Basis, "body.reduction = \"auto\" in place of a number");

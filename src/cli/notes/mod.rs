@@ -3,9 +3,10 @@
 mod accuracy;
 mod scene;
 
+use super::{note, tell};
 pub use accuracy::{
-    GROWTH, UNESTIMATED_ROTATIONS, USELESS, Verdict, describe_model, missed, note_of_measure, of_deflection,
-    of_tension, remedy_of_tension, scope_of_tolerance, verdict,
+    GROWTH, UNESTIMATED_ROTATIONS, Verdict, describe_model, missed, note_of_measure, of_deflection, of_tension,
+    remedy_of_tension, scope_of_tolerance, verdict,
 };
 pub use scene::{missing_faces, notes, of_geometry, of_values};
 
@@ -23,6 +24,44 @@ pub struct Remark {
 impl Remark {
     fn new(kind: &str, size: f64, text: String) -> Self {
         Self { kind: kind.to_owned(), size, text }
+    }
+}
+
+/// Warnings and notes of a run, which are printed, and stored with its result.
+#[derive(Debug, Default)]
+pub struct Said {
+    lines: Vec<String>,
+    /// Number of lines that are printed.
+    printed: usize,
+}
+
+impl Said {
+    /// Adds a warning.
+    pub fn warn(&mut self, text: &str) {
+        self.lines.push(format!("warning: {text}"));
+    }
+
+    /// Adds a note.
+    pub fn note(&mut self, text: &str) {
+        self.lines.push(format!("note: {text}"));
+    }
+
+    /// Number of remarks.
+    pub fn len(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// Prints the remarks up to a number that have not been printed yet; no notes if `--quiet` is given.
+    pub fn print(&mut self, count: usize) {
+        for line in &self.lines[self.printed..count] {
+            if line.starts_with("note") { note(format_args!("{line}")) } else { tell(format_args!("{line}")) }
+        }
+        self.printed = count;
+    }
+
+    /// All remarks, each in a line.
+    pub fn text(&self) -> String {
+        self.lines.join("\n")
     }
 }
 

@@ -8,8 +8,8 @@ use crate::model::{Model, Simulation};
 use crate::scene::Scene;
 use crate::solve::linear::has_mumps;
 
-use super::super::notes::{self, Verdict, describe_model, verdict};
-use super::super::{note, tell};
+use super::super::note;
+use super::super::notes::{self, Said, Verdict, describe_model, verdict};
 
 /// Texts of the messages, prepared while the model exists.
 pub(super) struct Announcement {
@@ -49,13 +49,14 @@ impl Announcement {
         })
     }
 
-    /// Prints the messages.
+    /// Prints the messages; warnings and notes are kept in `said`.
     ///
     /// # Errors
     /// If a PETSc call fails.
-    pub fn print(&self, comm: &Comm, scene: &Scene, impact: &Simulation) -> Result<()> {
+    pub fn print(&self, comm: &Comm, scene: &Scene, impact: &Simulation, said: &mut Said) -> Result<()> {
         if let Some(message) = &self.poor {
-            tell(format_args!("warning: {message}"));
+            said.warn(message);
+            said.print(said.len());
         }
         note(format_args!("{}", self.described));
         if let Some(reason) = &self.reason {
@@ -63,18 +64,19 @@ impl Announcement {
         }
         let missing_faces = notes::texts(notes::missing_faces(scene, impact.faces()).into_iter().collect());
         for warning in self.warnings.iter().chain(&missing_faces) {
-            tell(format_args!("warning: {warning}"));
+            said.warn(warning);
         }
         let of_scene = notes::texts(notes::notes(scene, Some(self.footprint), impact.plan().as_ref()));
         for line in of_scene.iter().chain(&self.of_measure) {
-            note(format_args!("note: {line}"));
+            said.note(line);
         }
         if self.is_factorised && !has_mumps(comm.session())? {
-            note(format_args!(
-                "note: this PETSc is without MUMPS: a matrix that the ranks do not share by substructures is factorised by each of them, so that more ranks save nothing \
-                 there"
-            ));
+            said.note(
+                "this PETSc is without MUMPS: a matrix that the ranks do not share by substructures is factorised by each of them, so that more ranks save nothing \
+                 there",
+            );
         }
+        said.print(said.len());
         Ok(())
     }
 }

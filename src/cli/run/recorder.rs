@@ -9,16 +9,18 @@ use petsc_wrap::Comm;
 use crate::error::{Error, Result};
 use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
-use crate::impact::{ErrorEstimate, Observer, Reading};
+use crate::impact::{ErrorEstimate, Errors, Observer, Reading, estimated};
 use crate::record::checkpoint;
 use crate::record::extremes::extremes;
 use crate::record::provenance::Cost;
 use crate::record::series::SeriesWriter;
+use crate::record::stress::LargestTension;
+use crate::record::useless::Printed;
 use crate::scene::{Measure, Scene};
 
 use super::super::checkpoint_writer::CheckpointWriter;
 use super::super::interrupt::Interrupt;
-use super::super::notes;
+use super::super::notes::{self, Said};
 use super::super::progress::Progress;
 use super::super::recording::Recording;
 use super::super::summary::{Summary, lines};
@@ -32,6 +34,8 @@ pub(super) struct Recorder {
     pub summary: Summary,
     /// Strengths of the faces, in the order of the faces, Pa.
     pub strengths: Vec<Option<f64>>,
+    /// Warnings and notes of the run so far.
+    pub said: Said,
 }
 
 impl Recorder {
@@ -47,11 +51,11 @@ impl Recorder {
     }
 
     /// Closes the result and prints the outcome of the run. `flow` says how the steps ended; `None` if they failed. The
-    /// computed steps are kept in any case.
+    /// computed steps are kept in any case. Returns a message if printed numbers are of no use and the run was not forced.
     ///
     /// # Errors
     /// If writing fails.
-    pub fn finish(mut self, scene: &Scene, flow: Option<ControlFlow<()>>, end: &End<'_>) -> Result<()> {
+    pub fn finish(mut self, scene: &Scene, flow: Option<ControlFlow<()>>, end: &End<'_>) -> Result<Option<String>> {
         self.progress.finish();
         let is_complete = flow == Some(ControlFlow::Continue(()));
         let episodes = self.writer.episodes().clone();
@@ -61,9 +65,16 @@ impl Recorder {
         let first_end = episodes.all().first().map(|first| first.end);
         let largest_tension = self.summary.largest_tension().with_error(&end.estimate.of_tension(), scene, first_end);
         self.writer.set_largest(largest_tension.clone());
+        if let Some(flow) = flow {
+            self.remark(scene, flow, &largest_tension, end);
+        }
+        let useless = self.useless(first_end, &largest_tension, end).filter(|_| is_complete);
+        let printed = self.said.len();
+        useless.iter().for_each(|message| self.said.warn(message));
+        self.writer.set_warnings(self.said.text());
         // If the steps have failed, the caller reports that error: a full disk first fails the steps and then the end.
         self.writer.finish(end.cost, is_complete).and(recorded)?;
-        let Some(flow) = flow else { return Ok(()) };
+        let Some(flow) = flow else { return Ok(None) };
         // If the file cannot be read back at once, the run is still valid.
         let extremes = extremes(end.output).ok().flatten();
         if end.has_summary {
@@ -71,24 +82,46 @@ impl Recorder {
                 extremes.map_or_else(Vec::new, |extremes| lines(&extremes, end.cost.deflection_error_estimate));
             self.summary.print(&episodes, &largest, end.cost, &judged(scene, end.estimate), end.output);
         }
-        if let Some(warning) = self.summary.warning() {
-            tell(format_args!("warning: {warning}"));
-        }
-        for missed in notes::missed(end.estimate, scene, end.was_warned, &largest_tension) {
-            note(format_args!("note: {missed}"));
-        }
-        if let Some(warning) = self.summary.warning_of_end().filter(|_| flow.is_continue()) {
-            tell(format_args!("warning: {warning}"));
-        }
+        // Unless it is accepted, the last warning is printed as the error that ends the program.
+        self.said.print(if end.force { self.said.len() } else { printed });
         if flow.is_continue() {
-            return checkpoint::remove(end.output);
+            checkpoint::remove(end.output)?;
+            return Ok(useless.filter(|_| !end.force));
         }
         let output = end.output.display();
         tell(format_args!("interrupted: {output} holds the run up to t = {:.6e} s", self.summary.end()));
         if checkpoint::beside(end.output).exists() {
             note(format_args!("note: --restart {output} continues it"));
         }
-        Ok(())
+        Ok(None)
+    }
+
+    /// Adds the warnings and notes on a run that has ended.
+    fn remark(&mut self, scene: &Scene, flow: ControlFlow<()>, largest: &LargestTension, end: &End<'_>) {
+        self.summary.warning().iter().for_each(|warning| self.said.warn(warning));
+        let missed = notes::missed(end.estimate, scene, end.was_warned, largest);
+        missed.iter().for_each(|missed| self.said.note(missed));
+        let of_end = self.summary.warning_of_end().filter(|_| flow.is_continue());
+        of_end.iter().for_each(|warning| self.said.warn(warning));
+    }
+
+    /// Message that printed numbers are of no use, if their estimated errors are large.
+    fn useless(&self, first_end: Option<f64>, largest: &LargestTension, end: &End<'_>) -> Option<String> {
+        let total = end.estimate.total().unwrap_or(Errors::throughout(f64::NAN));
+        let printed = Printed {
+            first_end,
+            peak_time: self.summary.peak_time(),
+            first_contact_error: total.first_contact,
+            history_error: total.history,
+            deflection_error: end.cost.deflection_error_estimate,
+            stress_error: largest.error_estimate,
+        };
+        let named = |(name, error): (&str, f64)| format!("{name} ({})", estimated(error));
+        let listed = printed.useless().into_iter().map(named).reduce(|all, next| all + ", " + &next)?;
+        Some(format!(
+            "numbers of this run are of no use, by their estimated errors over the peak: {listed}; the result has the other numbers. \
+             --force accepts them"
+        ))
     }
 }
 
@@ -113,6 +146,8 @@ pub(super) struct End<'a> {
     pub has_summary: bool,
     /// Whether a warning before the first step has already said that the tolerance is missed.
     pub was_warned: bool,
+    /// Whether numbers that are of no use are accepted.
+    pub force: bool,
 }
 
 /// Processes every step on all ranks.

@@ -20,13 +20,13 @@ use crate::scene::{Contact, Fault, Scene, Source};
 use super::super::checkpoint_writer::CheckpointWriter;
 use super::super::follow::Follower;
 use super::super::interrupt::Interrupt;
-use super::super::notes;
+use super::super::notes::{self, Said};
 use super::super::progress::Progress;
 use super::super::provenance::{model_details, provenance};
 use super::super::recording::Recording;
 use super::super::restart::{Moment, go_on};
 use super::super::summary::Summary;
-use super::super::{note, tell, warn_of_unused_options};
+use super::super::{note, warn_of_unused_options};
 use super::announcement::Announcement;
 use super::recorder::{End, Recorder, Watch};
 
@@ -68,10 +68,12 @@ pub(in crate::cli) fn solve(
         comm.session().petsc()?;
     }
     let begin = Instant::now();
+    let mut said = Said::default();
     if comm.is_root() {
         // Before the model is built, which may take long with such values.
         let odd = notes::texts(notes::of_values(scene, source));
-        odd.iter().for_each(|warning| tell(format_args!("warning: {warning}")));
+        odd.iter().for_each(|warning| said.warn(warning));
+        said.print(said.len());
     }
     let interrupt = Rc::new(Interrupt::on_signals());
     let follower = Follower::new(comm, interrupt.clone());
@@ -90,10 +92,11 @@ pub(in crate::cli) fn solve(
     let assembled = begin.elapsed().as_secs_f64();
     tracing::info!(modelled, assembled, "ready");
     if comm.is_root() {
-        announcement.print(comm, scene, &impact)?;
+        announcement.print(comm, scene, &impact, &mut said)?;
     }
     check_strength(scene, &of_root(comm, Some(impact.faces().to_vec())))?;
-    let recorder = record(comm, scene, (output, &provenance), beginning, linearity, &mut impact)?;
+    provenance.warnings = said.text();
+    let recorder = record(comm, scene, (output, &provenance), beginning, (linearity, said), &mut impact)?;
     let keeping = CheckpointWriter::new(comm, (scene, source.text()), output, &impact);
     let mut watch = Watch { comm: comm.clone(), interrupt, keeping, recorder };
     let stepped = impact.run_watched(&mut watch);
@@ -111,8 +114,9 @@ pub(in crate::cli) fn solve(
         deflection_error_estimate: estimate.of_deflection(),
     };
     let flow = stepped.as_ref().ok().copied();
-    let end = End { cost: &cost, estimate: &estimate, output, has_summary, was_warned: announcement.poor.is_some() };
-    let mut ended = Ok(());
+    let end =
+        End { cost: &cost, estimate: &estimate, output, has_summary, was_warned: announcement.poor.is_some(), force };
+    let mut ended = Ok(None);
     if let Some(recorder) = watch.recorder {
         ended = recorder.finish(scene, flow, &end);
         if flow.is_some() && ended.is_ok() {
@@ -126,10 +130,13 @@ pub(in crate::cli) fn solve(
     }
     let why = stepped.as_ref().err().map_or(String::new(), |error| format!(" (before that: {error})"));
     let ended = ended.map_err(|error| Error::Output(format!("{error}{why}")));
-    agree(comm, ended.map_err(|error| error.to_string())).map_err(Error::Unwritten)?;
+    let useless = agree(comm, ended.map_err(|error| error.to_string())).map_err(Error::Unwritten)?;
     let flow = stepped?;
     drop(impact);
     comm.collect_garbage()?;
+    if let Some(message) = of_root(comm, Some(useless)) {
+        return Err(Error::Solve(message));
+    }
     Ok(match flow {
         ControlFlow::Continue(()) => 0,
         ControlFlow::Break(()) => INTERRUPTED,
@@ -142,7 +149,7 @@ fn record(
     scene: &Scene,
     (output, provenance): (&Path, &Provenance),
     beginning: Beginning<'_>,
-    linearity: Option<Linearity>,
+    (linearity, said): (Option<Linearity>, Said),
     impact: &mut Simulation,
 ) -> Result<Option<Recorder>> {
     let points = Points {
@@ -179,6 +186,7 @@ fn record(
         progress: Progress::new([summary.end(), scene.time.end]),
         summary: summary.following(linearity),
         strengths: strengths(&scene.strength, &points.faces.names),
+        said,
     }))
 }
 

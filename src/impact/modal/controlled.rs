@@ -29,7 +29,7 @@ const REFINEMENTS: usize = 14;
 const STEPS_WITHOUT_CONTACT: f64 = 1000.0;
 
 /// Contact force of a run, and its time steps.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub struct KnownForce {
     /// The force.
     pub trace: Trace,
@@ -86,11 +86,11 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             let by_doubles = errors(difference, FORCE_ERROR_FACTOR, TENSION_ERROR_FACTOR);
             let is_met = |error: &Errors| error.of(self.measure) <= self.tolerance;
             if observed && refinement > 0 && is_met(&by_halves) && !observer.is_interrupted() {
-                self.count_errors(by_halves);
+                self.count_errors(by_halves, &coarse.trace);
                 return self.shown(coarse, observer);
             }
             if is_met(&by_doubles) || observer.is_interrupted() {
-                self.count_errors(by_doubles);
+                self.count_errors(by_doubles, &fine.trace);
                 return if observed { self.shown(fine, observer) } else { Ok(fine) };
             }
             coarse = fine;
@@ -119,8 +119,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         if done.steps.is_empty() { self.once(done.sizes, true, observer) } else { Ok(done) }
     }
 
-    fn count_errors(&mut self, error: Errors) {
-        self.count.error = Some(error.history);
+    fn count_errors(&mut self, error: Errors, trace: &Trace) {
+        // Without a contact there is nothing to estimate.
+        self.count.error = Some(error.history).filter(|_| trace.has_contact());
         let known = |error: f64| Some(error).filter(|error| !error.is_nan());
         self.count.stress_error = known(error.stress);
         self.count.stress_history_error = known(error.stress_history);

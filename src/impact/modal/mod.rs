@@ -51,6 +51,10 @@ const FIRST_PEAK_FACTOR: f64 = 0.3;
 /// Share of the tolerance that the time steps may use.
 pub const TIME_STEP_SHARE: f64 = 0.3;
 
+/// Largest difference between the force and a straight line between two recorded steps, relative to the peak and to the
+/// tolerance of the time steps.
+const STRAIGHT_SHARE: f64 = 1.0 / 3.0;
+
 /// Number of steps that are computed, or read, between two calls of [`Observer::is_interrupted`].
 const ASK_EVERY: usize = 1024;
 
@@ -270,7 +274,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         // The gap is measured from the surface as displaced by the loads.
         let gap = gap - state.surface(&modes);
         let impactor = FreeBody { mass, gravity: weight / mass, speed, gap };
-        let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state);
+        // Readers of the rows draw straight lines between them.
+        let straight = steps.defect.filter(|_| observed).map(|_| STRAIGHT_SHARE * self.tolerance * steps.peak);
+        let mut motion = Motion::new(&modes, law.clone(), impactor, steps, state).with_straight_steps(straight);
         let of_hit = HitTension::new(&modes, parameters.multiplicity);
         let mut done = Done { trace: Trace::default(), steps: Vec::new(), sizes: steps, faces: None };
         let mut recorder =

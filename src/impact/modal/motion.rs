@@ -46,6 +46,9 @@ pub struct Motion<'a> {
     law: Law,
     impactor: FreeBody,
     steps: Steps,
+    /// Allowed difference between the force at the middle of a step and the straight line between its ends, N; `None` for
+    /// any.
+    straight: Option<f64>,
     /// Response tables, by the number of halvings of the largest step.
     tables: Vec<Option<StepResponse>>,
     level: usize,
@@ -85,6 +88,7 @@ impl<'a> Motion<'a> {
             law,
             impactor,
             steps,
+            straight: None,
             tables: (0..=LEVELS).map(|_| None).collect(),
             level: 0,
             last: None,
@@ -100,6 +104,12 @@ impl<'a> Motion<'a> {
             solves: 0,
             iterations: 0,
         }
+    }
+
+    /// Bounds the difference (N) between the force in a step and the straight line between the step's ends.
+    #[must_use]
+    pub fn with_straight_steps(self, straight: Option<f64>) -> Self {
+        Self { straight, ..self }
     }
 
     /// Rate of δ_modes, m/s.
@@ -228,7 +238,7 @@ impl<'a> Motion<'a> {
         let table = StepResponse::new(self.modes, &self.impactor, touch);
         let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
         let taken = self.take(&table, [0.0; 3], free, pulled);
-        self.approach = 0.0;
+        (self.approach, self.force) = (0.0, 0.0);
         Ok(Some(taken))
     }
 
@@ -264,7 +274,8 @@ impl<'a> Motion<'a> {
             }
             let level = self.level;
             let worst = self.steps.defect.unwrap_or(f64::INFINITY);
-            let stage = stage.filter(|(stage, _)| stage.defect <= worst);
+            let straight = self.straight.unwrap_or(f64::INFINITY);
+            let stage = stage.filter(|(stage, _)| stage.defect <= worst && stage.bend() <= straight);
             let Some((stage, pulled)) = stage else {
                 self.put_back(table);
                 self.level += 1;
@@ -301,8 +312,9 @@ impl<'a> Motion<'a> {
             let taken = self.take(&table, stage.force, stage.approach, pulled);
             self.put_back(table);
             self.begun = false;
-            // The defect is proportional to the cube of the step: doubling the step multiplies it by eight.
-            if self.steps.defect.is_some() && stage.defect < worst / 12.0 {
+            // The defect is proportional to the cube of the step and the bend to its square: doubling the step multiplies
+            // them by eight and by four.
+            if self.steps.defect.is_some() && stage.defect < worst / 12.0 && stage.bend() < straight / 6.0 {
                 self.level = level.saturating_sub(1);
             }
             return Ok(Some(taken));
@@ -386,6 +398,11 @@ impl<'a> Motion<'a> {
         }
         let all = [self.approach, approach[0], approach[1], approach[2], approach[3]];
         (self.force, self.approach, self.last) = (force[2], approach[3], Some((force, table.step)));
+        if self.law.damping > 0.0 && self.touching {
+            // A step finds δ̇ at its end from a polynomial. Its error would remain in the first force of the next step, however
+            // short that is, so the next step begins with the rate of the state reached.
+            self.force = self.law.damped(self.approach, self.rate()).force;
+        }
         Taken { step: table.step, force, approach: all, made }
     }
 }

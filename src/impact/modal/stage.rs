@@ -22,6 +22,14 @@ pub struct Stage {
     pub iterations: usize,
 }
 
+impl Stage {
+    /// Largest difference between the quadratic and the straight line between its ends, N.
+    pub fn bend(&self) -> f64 {
+        let [first, middle, last] = self.force;
+        (middle - 0.5 * (first + last)).abs()
+    }
+}
+
 /// A step in contact without damping.
 pub struct ContactStep<'a> {
     /// Contact law Φ.

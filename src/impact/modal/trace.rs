@@ -35,7 +35,7 @@ impl PartsOfLargest {
 }
 
 /// Contact force F(t) on the modelled part, N, with the tension opposite the impact point.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 pub struct Trace {
     /// Beginning and size of each step, s, and the force at its beginning, middle and end, N.
     steps: Vec<(f64, f64, [f64; 3])>,

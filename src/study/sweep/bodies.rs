@@ -61,7 +61,7 @@ struct Kept {
     made_for: Option<MadeFor>,
     /// Whether the body is interpolated. It then already has the member's Maxwell chains, and it has no energies.
     is_interpolated: bool,
-    /// Same as [`Model::is_moved_by_loads`]: the basis is not for contacts.
+    /// Whether loads move the body and the impactor does not touch it: the basis is not for contacts.
     is_moved_by_loads: bool,
     /// Same as [`Model::may_lower_shift`].
     may_lower_shift: bool,
@@ -347,11 +347,12 @@ impl Kept {
         let of_model = of_theory.joined(of_others);
         let made_for = model.error.of(Cause::Basis);
         let made_for = made_for.map(|of_basis| MadeFor { scene: Box::new(scene.clone()), of_basis });
-        let Model { theory, dynamics, judge, unknowns, gauges, is_moved_by_loads, may_lower_shift, .. } = model;
+        let Model { theory, dynamics, judge, unknowns, gauges, is_untouched, may_lower_shift, .. } = model;
         let readout = gauges.map(|gauges| gauges.readout);
         let judge = judge.map(JudgeBasis::into_modal);
         match dynamics {
             Dynamics::Modal(body) => Ok(Self {
+                is_moved_by_loads: is_untouched && body.is_loaded(),
                 body,
                 theory,
                 judge,
@@ -360,7 +361,6 @@ impl Kept {
                 of_model,
                 made_for,
                 is_interpolated: false,
-                is_moved_by_loads,
                 may_lower_shift,
             }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
@@ -400,7 +400,7 @@ impl Kept {
                 ..readout.clone()
             })?;
         }
-        let mut contacts = Episodes::new(scene.impactor.mass);
+        let mut contacts = Episodes::default();
         let take = |step: &Step, reading: &Reading| {
             contacts.push(step);
             tension.take(step.time, &reading.faces, &strengths);
@@ -427,11 +427,9 @@ impl Kept {
         }
         let made_for_this = self.made_for.as_ref().filter(|made_for| *made_for.scene == *scene);
         let of_basis = match (made_for_this, &self.judge) {
-            // A member with a contact needs another basis; without one, the error is unknown.
-            _ if self.is_moved_by_loads => {
-                let has_contact = impact.force().is_some_and(|(force, _)| force.has_contact());
-                Errors::throughout(if has_contact { f64::INFINITY } else { f64::NAN })
-            }
+            // Without a contact, the error is unknown. A member with a contact may need another basis.
+            _ if impact.force().is_some_and(|(force, _)| !force.has_contact()) => Errors::throughout(f64::NAN),
+            _ if self.is_moved_by_loads => Errors::throughout(f64::INFINITY),
             (Some(made_for), _) => made_for.of_basis,
             (None, Some((judge, rule))) => {
                 let Some((force, taken)) = impact.force() else { return Ok(None) };

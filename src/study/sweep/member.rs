@@ -64,7 +64,7 @@ pub fn simulate(
     let mut deflection_over_thickness = f64::NAN;
     let mut simulation = Simulation::new(scene, model)?;
     let (mut tension, strengths) = (LargestTension::default(), strengths(&scene.strength, simulation.faces()));
-    let mut contacts = Episodes::new(scene.impactor.mass);
+    let mut contacts = Episodes::default();
     let flow = simulation.run_watched(&mut Until {
         interrupted: &*interrupted,
         take: |step: &Step, reading: &Reading| {

@@ -3,6 +3,7 @@
 
 use mpi_test::{Test, tests};
 use petsc_wrap::Session;
+use ricochet::contact::{ForceLaw, Power, Table};
 
 use crate::modelled::{Ran, run};
 
@@ -10,6 +11,8 @@ pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![
     a_mass_on_a_wall,
     restitution_of_hunt_and_crossley,
+    a_damped_force_is_that_of_the_law,
+    strong_damping_is_one_contact,
     a_power_of_three_halves_is_hertz,
     every_scheme_converges_to_the_same_history,
     energy_is_kept_or_dissipated,
@@ -77,6 +80,46 @@ fn a_mass_on_a_wall(session: &Session) {
             let time = std::f64::consts::PI * (MASS / stiffness).sqrt();
             assert!((episode.end / time - 1.0).abs() < 1e-7, "{} {time}", episode.end);
         }
+    }
+}
+
+/// On a rigid wall the rate of the indentation is the impactor's velocity: every row has the force of the law at its
+/// indentation and velocity, to rounding. The laws have kinks, steep parts, and exponent 1.
+fn a_damped_force_is_that_of_the_law(session: &Session) {
+    let points = [[0.0, 0.0], [0.01, 100.0], [0.02, 3000.0], [0.03, 3100.0], [0.06, 9000.0], [0.4, 90000.0]];
+    let power = |exponent: f64| {
+        let text = format!("law = \"power\"\nstiffness = 5e4\nexponent = {exponent:?}");
+        (text, ForceLaw::Power(Power { stiffness: 5e4, exponent }))
+    };
+    let table = ForceLaw::Table(Table::new(&points).unwrap());
+    for (text, law) in [(format!("law = \"table\"\ntable = {points:?}"), table), power(1.0), power(1.5)] {
+        for (damping, step) in [(0.1, ""), (0.1, "step = 1e-4\n"), (1.0, ""), (5.0, "")] {
+            let contact = format!("{text}\ndamping = {damping:?}\n");
+            let time = format!("[time]\nend = 0.2\n{step}");
+            let ran = run(&session.world(), &scene("model = \"half-space\"", &contact, &time));
+            let [episode] = ran.contacts[..] else { panic!("{contact}: {} contacts", ran.contacts.len()) };
+            let off = ran.steps.iter().map(|row| {
+                let factor = (1.0 + damping * row.impactor.velocity).max(0.0);
+                (row.contact.force - factor * law.force(row.contact.indentation)).abs() / episode.peak_force
+            });
+            let off = off.fold(0.0, f64::max);
+            println!("  {contact:?} {step:?}: {off:.1e}, {} rows", ran.steps.len());
+            assert!(off < 1e-11, "{contact} {step}: {off:e}");
+        }
+    }
+}
+
+/// With damping times speed of 30 the force falls to rounding long before the indentation ends: there is one contact, not
+/// one for each sign of the rounding. It ends where the impactor has returned, at nearly the speed 1/d.
+fn strong_damping_is_one_contact(session: &Session) {
+    for damping in [7.5, 15.0] {
+        let contact = format!("damping = {damping:?}\n");
+        let steel = scene("model = \"half-space\"", &contact, "[time]\nend = 0.02\n");
+        let steel = steel.replace("[contact]", "radius = 0.05\nyoung = 210e9\npoisson = 0.3\n[contact]");
+        let ran = run(&session.world(), &steel);
+        let [episode] = ran.contacts[..] else { panic!("d = {damping}: {} contacts", ran.contacts.len()) };
+        let end = ran.steps.iter().find(|row| row.time >= episode.end).unwrap();
+        assert!(end.contact.indentation <= 0.0 && end.time < 0.02, "{end:?}");
     }
 }
 
