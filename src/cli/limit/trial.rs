@@ -47,10 +47,10 @@ pub(super) struct Utilisation {
     pub point: Vec3,
     /// Peak contact force of the whole run, N.
     pub peak_force: f64,
-    /// Estimated error of the tension, or of the acceleration in the first contact if it is larger; NaN without an
-    /// estimate of the tension.
+    /// Estimated error of the tension, or of the acceleration in the first contact if it is larger. After the first
+    /// contact, that of the acceleration alone; NaN where the tension has no estimate for another reason.
     pub error_estimate: f64,
-    /// Reason why there is no estimate, as a clause; empty if there is one.
+    /// Reason why the error of the tension has no estimate, as a clause; empty if there is one.
     pub without_estimate: String,
     /// Warnings that `ricochet run` would print for this scene, and those about the largest ratio.
     pub warnings: Vec<String>,
@@ -76,7 +76,8 @@ impl Utilisation {
 
     /// Verdict on the strength.
     pub fn verdict(&self) -> StrengthVerdict {
-        StrengthVerdict::of(self.ratio, 1.0, self.error_estimate)
+        let error = if self.without_estimate.is_empty() { self.error_estimate } else { f64::NAN };
+        StrengthVerdict::of(self.ratio, 1.0, error)
     }
 
     /// Takes a step into account.
@@ -142,17 +143,22 @@ pub(super) fn trial(comm: &Comm, (scene, source): (&Scene, &Source), interrupt: 
     let estimate = impact.error();
     let largest = LargestTension { value: most.tension, time: most.time, point: most.point, ..Default::default() };
     let largest = largest.with_error(estimate.of_tension(), scene, first_end);
-    most.error_estimate = estimate.total().map_or(f64::NAN, |errors| errors.first_contact.max(largest.error_estimate));
+    let is_later = first_end.is_none_or(|end| most.time > end);
+    most.error_estimate = estimate.total().map_or(f64::NAN, |errors| match largest.without_estimate.as_str() {
+        "" => errors.first_contact.max(largest.error_estimate),
+        // That of the acceleration is at least known at that time.
+        _ if is_later => errors.history,
+        _ => f64::NAN,
+    });
     warnings.extend(summary.warning());
     warnings.extend(summary.warning_of_end());
     let ratio = "the largest ratio of tension to strength";
     match (largest.without_estimate.as_str(), largest.without_estimate.strip_prefix("it is ")) {
         ("", _) => {}
-        (_, Some(place)) => warnings.push(format!("{ratio} is {place}: its error is not estimated")),
+        (_, Some(place)) => warnings.push(format!(
+            "{ratio} is {place}: the uncertainty of the limit is not known, or may be larger than stated"
+        )),
         (why, None) => warnings.push(format!("the error of {ratio} is not estimated: {why}")),
-    }
-    if !largest.without_estimate.is_empty() {
-        most.error_estimate = f64::NAN;
     }
     most.without_estimate = largest.without_estimate;
     most.warnings = warnings;
