@@ -99,9 +99,8 @@ impl<'a> Report<'a> {
         let at = found.root.and_then(|root| trials.iter().find(|trial| trial.value == root.at.value).zip(Some(root)));
         let limit = at.map(|(Trial { value, utilisation }, root)| {
             // Not smaller than the tolerance, even if the estimated error is.
-            // Unknown without an estimate.
-            let error = if utilisation.without_estimate.is_empty() { utilisation.error_estimate } else { f64::NAN };
-            let error = if error > tolerance || error.is_nan() { error } else { tolerance };
+            let error = utilisation.error_estimate;
+            let error = if error.is_nan() { error } else { error.max(tolerance) };
             LimitFacts {
                 value: *value,
                 uncertainty: (error + utilisation.ratio.ln().abs()) * root.sensitivity,
