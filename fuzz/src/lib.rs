@@ -84,7 +84,7 @@ pub fn checkpoint(data: &[u8]) {
         let session = session.get_or_init(|| Session::start(&[]).expect("once a thread").expect("PETSc starts"));
         let comm = session.world();
         let mut impact = simulation(&comm).expect("a good simulation");
-        let mut keeper = Keeper(known(scene.impactor.mass), Checkpoint::default());
+        let mut keeper = Keeper(known(), Checkpoint::default());
         assert!(impact.run_watched(&mut keeper).expect("it runs").is_continue());
         let nodes = impact.nodes().expect("a mesh").to_vec();
         let mut kept = StoredCheckpoint {
@@ -100,7 +100,7 @@ pub fn checkpoint(data: &[u8]) {
         }
         let written = kept.write(&result).and_then(|()| StoredCheckpoint::read(&result));
         let resume = |kept: StoredCheckpoint| {
-            let carried = known(1.0).visit(&mut Visitor::restore(&kept.checkpoint));
+            let carried = known().visit(&mut Visitor::restore(&kept.checkpoint));
             let part = kept.at(Some(&nodes)).map_err(ricochet::Error::Output);
             carried.and(part.and_then(|part| simulation(&comm)?.resume(&part)))
         };
@@ -116,9 +116,9 @@ const BODY: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500\nsize =
                     cells = [2, 2, 1]\norder = 1\nsymmetry = \"none\"\n[impactor]\nmass = 52\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n\
                     speed = 1\n[contact]\nlocalization = \"point\"\n[time]\nscheme = \"newmark\"\nend = 1e-4\nstep = 1e-5\n";
 
-/// State of the recording before the first step, for an impactor of a mass (kg).
-fn known(mass: f64) -> Known {
-    Known { rows: 0, episodes: Episodes::new(mass), summary: Summary::default(), map: TensionMap::default() }
+/// State of the recording before the first step.
+fn known() -> Known {
+    Known { rows: 0, episodes: Episodes::default(), summary: Summary::default(), map: TensionMap::default() }
 }
 
 /// Keeps a checkpoint of every step, like a run.

@@ -48,7 +48,8 @@ fn plates_and_solids_agree_under_the_hit() {
     let scene = Scene::parse("test", SCENE, &[]).expect("a scene").0;
     let settings = plate::Settings { cell_size_factor: 0.4, ..Default::default() };
     let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).expect("a plate");
-    let solid = SplineSolid::new(&scene, &spline::Settings { cell_size_factor: 0.8 }).expect("a box");
+    let solid =
+        SplineSolid::new(&scene, &spline::Settings { cell_size_factor: 0.8, part_cell_factor: 1.0 }).expect("a box");
     let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 0.2 };
     let reading = plate.local.expect("Mindlin's").reading * 0.01;
     for (r, apart) in [(0.0, 0.15), (0.05, 0.0), (0.1, 0.0), (0.3, 0.0)] {

@@ -65,7 +65,7 @@ fn read(scene: &Scene, points: impl PointEvaluator + 'static, u: &[f64], heights
 }
 
 fn solid(scene: &Scene, cell_size_factor: f64) -> (SplineSolid, Vec<f64>) {
-    let solid = SplineSolid::new(scene, &spline::Settings { cell_size_factor }).expect("a box");
+    let solid = SplineSolid::new(scene, &spline::Settings { cell_size_factor, part_cell_factor: 1.0 }).expect("a box");
     let u = at_rest(&solid.system);
     (solid, u)
 }

@@ -101,6 +101,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
         (Some(root), Some(output)) => {
             let (scene, source) = at_with_output(&source, &range, root.at.value)?;
             let written = Written { output, force: false, has_summary: false };
+            let scene = discretisation.map_or(scene.clone(), |discretisation| discretisation.of(&scene));
             solve(comm, (&scene, &source), Beginning::Anew, &written).map_err(|error| error.in_scene(&source))?
         }
         (None, Some(output)) => {

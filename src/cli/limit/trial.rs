@@ -108,7 +108,7 @@ pub(super) struct Discretisation {
 
 impl Discretisation {
     /// The scene with this theory and these cells.
-    fn of(&self, scene: &Scene) -> Scene {
+    pub(super) fn of(&self, scene: &Scene) -> Scene {
         let body = scene::Body { model: self.theory, ..scene.body.clone() };
         Scene { body, cell_factor: scene.cell_factor * self.cell_size, keeps_cells: true, ..scene.clone() }
     }

@@ -25,7 +25,8 @@ fn scene(body: &str, rest: &str) -> Scene {
 }
 
 fn solid(scene: &Scene) -> SplineSolid {
-    SplineSolid::new(scene, &Settings { cell_size_factor: 1.3 }).unwrap_or_else(|error| panic!("{error}"))
+    SplineSolid::new(scene, &Settings { cell_size_factor: 1.3, part_cell_factor: 1.0 })
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// u for the loads and a contact force of 1 kN at s = 3e3 1/s, with the constrained unknowns at their values.

@@ -202,7 +202,7 @@ fn a_bar_under_tension(session: &Session) {
         )
     };
     let (scene, meshed) = (parse(&text("")), parse(&text("reduction = \"none\"\ncells = [5, 3, 2]\ngrading = 2")));
-    let block = SplineSolid::new(&scene, &spline::Settings { cell_size_factor: 2.0 }).unwrap();
+    let block = SplineSolid::new(&scene, &spline::Settings { cell_size_factor: 2.0, part_cell_factor: 1.0 }).unwrap();
     let mesh = Mesh::new(&comm, &meshed.body).unwrap();
     let of_mesh = gathered(&at_rest(&Body::solid(&meshed, &mesh).unwrap()), comm.is_root());
     let splines = (Evaluator::of_grid(&scene, block.points), of_system(session, &block.system));

@@ -159,7 +159,7 @@ fn errors_of_tensions_next_to_slow_interlayers_are_estimated(session: &Session) 
             .replace("speed = 1.0", "speed = 2.0");
         let scene = parse(&text);
         let model = Model::new(&session.world(), &scene).unwrap_or_else(|error| panic!("{error}"));
-        let estimate = model.error.of_tension();
+        let estimate = model.error.of_tension().stress;
         (tensions(&session.world(), &text).1.tensions[1], estimate)
     };
     let [(plate, of_plate), (solid, of_solid)] = ["layerwise", "solid"].map(of);

@@ -44,7 +44,8 @@ fn bodies(session: &Session, surface: &str, within: &str) -> Vec<(String, Body)>
     let mut bodies = Vec::new();
     for symmetry in ["quarter", "none"] {
         let scene = scene(surface, within, &format!("symmetry = \"{symmetry}\""));
-        let splines = SplineSolid::new(&scene, &Settings { cell_size_factor: 3.0 }).unwrap().system;
+        let splines =
+            SplineSolid::new(&scene, &Settings { cell_size_factor: 3.0, part_cell_factor: 1.0 }).unwrap().system;
         bodies.push((format!("splines, {symmetry}"), Body::of(&session.alone(), &splines).unwrap()));
         for theory in [PlateTheory::Kirchhoff, PlateTheory::Mindlin] {
             let plate = Plate::new(&scene, theory, &plate::Settings::default()).unwrap().system;

@@ -49,7 +49,8 @@ fn scene(body: &str, impactor: &str, rest: &str) -> Scene {
 }
 
 fn block(scene: &Scene, cell_size_factor: f64) -> SplineSolid {
-    SplineSolid::new(scene, &Settings { cell_size_factor }).unwrap_or_else(|error| panic!("{error}"))
+    SplineSolid::new(scene, &Settings { cell_size_factor, part_cell_factor: 1.0 })
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn body(session: &Session, scene: &Scene, cell_size_factor: f64) -> Body {
@@ -389,14 +390,20 @@ fn scenes_that_are_no_blocks(_: &Session) {
         ("point = [0.2499, 0.0, 0.05]", String::new(), "negative stiffness"),
     ] {
         let scene = scene(size, impactor, &rest);
-        let error = SplineSolid::new(&scene, &Settings { cell_size_factor: 1.0 }).expect_err(clause).to_string();
+        let error = SplineSolid::new(&scene, &Settings { cell_size_factor: 1.0, part_cell_factor: 1.0 })
+            .expect_err(clause)
+            .to_string();
         let key = if rest.is_empty() { "impactor.point" } else { "contact.patch_radius" };
         assert!(error.contains(key) && error.contains(clause), "{error}");
     }
     assert_eq!(admits(&scene(size, "direction = [0.6, 0.0, -0.8]", "")), Ok(()));
     // However coarse the cells, there is at least one along each axis.
     for size in ["size = [0.5, 0.4, 0.1]", "size = [0.5, 0.4, 0.01]", "size = [0.1, 0.1, 0.5]"] {
-        let block = SplineSolid::new(&scene(size, "stiffness = 1e3", ""), &Settings { cell_size_factor: 8.0 }).unwrap();
+        let block = SplineSolid::new(
+            &scene(size, "stiffness = 1e3", ""),
+            &Settings { cell_size_factor: 8.0, part_cell_factor: 1.0 },
+        )
+        .unwrap();
         assert!(block.cells.iter().all(|cells| *cells > 0), "{size}: {:?}", block.cells);
     }
 }

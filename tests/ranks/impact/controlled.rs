@@ -1,6 +1,5 @@
 //! Time steps chosen by the error: they meet the tolerance, at lower cost than fixed time steps.
 
-use crate::glass;
 use mpi_test::{Test, tests};
 use std::ops::ControlFlow;
 

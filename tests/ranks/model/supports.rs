@@ -196,7 +196,7 @@ fn grids_have_lines_at_the_edges_of_parts(_: &Session) {
         assert!(widest(lines, [0.26, 0.3]) <= 0.02 / 3.0 * (1.0 + 1e-3), "{lines:?}");
     }
     // α² = G/t (2 h²/12D + d²/2D) with the plies' D and the distance d of their middles.
-    let (rigidity, arm) = (6159.0, 0.01076);
+    let (rigidity, arm) = (6159.0_f64, 0.01076_f64);
     let slip = 2.0 * 1e-4 / (12.0 * rigidity) + arm * arm / (2.0 * rigidity);
     let shear_length = (0.00076 / 80e6 / slip).sqrt();
     let [_, y, _] = lines(&laminate_on_foot(), PlateTheory::Layerwise);
