@@ -24,13 +24,19 @@ pub const COMPRESSIBLE: f64 = 9.0;
 /// Part of λ (Pa) that acts on the projected change of volume. Splines of full smoothness cannot keep their volume
 /// everywhere without becoming stiff. Quadratic splines along all axes restrict them as much as the exact solution.
 pub fn projected_lambda(lame: Lame) -> f64 {
-    (lame.lambda - COMPRESSIBLE * lame.mu).max(0.0)
+    let excess = lame.lambda - COMPRESSIBLE * lame.mu;
+    // Rounding is no excess.
+    if excess > 1e-9 * lame.lambda { excess } else { 0.0 }
 }
 
 /// Twice the elastic energy in the region `place`, ∫ λ (div u)² + 2 μ Σ ε_ii² + μ Σ_{i<j} (2 ε_ij)², by (4) and (5); with
 /// the projected div u for [`projected_lambda`].
 pub fn elastic(lame: Lame, place: [Along; 3]) -> Vec<Square<3>> {
-    let (Lame { lambda, mu }, of_projection) = (lame, projected_lambda(lame));
+    elastic_with(lame, projected_lambda(lame), place)
+}
+
+/// Same as [`elastic`], with a given part of λ (Pa) on the projected change of volume.
+pub fn elastic_with(Lame { lambda, mu }: Lame, of_projection: f64, place: [Along; 3]) -> Vec<Square<3>> {
     let square = |factor: f64, parts: &[Part<3>]| Square::of_sum(factor, parts, place);
     let stretches = (0..3).map(|i| square(2.0 * mu, &[gradient(i, i)]));
     let shears = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| square(mu, &[gradient(i, j), gradient(j, i)]));

@@ -165,10 +165,15 @@ fn impactor(Scene { impactor, contact, .. }: &Scene) -> Vec<Fact> {
     rows
 }
 
+/// A speed (m/s) with up to four digits: one that follows from a drop height has many.
+fn short_speed(speed: f64) -> String {
+    given(format!("{speed:.3e}").parse().unwrap_or(speed), SPEED)
+}
+
 /// A speed, with the height of the free fall that leads to it.
 fn drop(speed: f64) -> String {
     let height = speed * speed / (2.0 * STANDARD_GRAVITY);
-    format!("{} (as after a fall of {})", computed(speed, SPEED), computed(height, LENGTH))
+    format!("{} (as after a fall of {})", short_speed(speed), computed(height, LENGTH))
 }
 
 fn law(law: &ForceLaw) -> String {
@@ -248,7 +253,7 @@ pub fn sentence(scene: &Scene) -> String {
         "A rigid impactor of {}{surface} hits a {} at {}, at the point {}. {supports}",
         given(*mass, MASS),
         shape(&scene.body),
-        computed(*speed, SPEED),
+        short_speed(*speed),
         where_hit(*point)
     )
 }

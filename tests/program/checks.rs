@@ -73,7 +73,11 @@ fn poor_deflections_are_noted() {
     let folder = folder(&glass::scene(body, "mass = 0.05\nspeed = 1.0", "end = 4e-3", ""));
     let few = "scene.toml --set body.reduction=10";
     let noted = "error of the deflection under the impactor, over the whole history, is";
-    assert!(good(&folder, 0, &format!("run {few} -o run.h5")).stderr.contains(noted));
+    // The largest deflection is printed, and of no use.
+    let useless = run(ricochet(folder.path(), 0).args(words(&format!("run {few} -o run.h5"))));
+    assert_eq!(useless.status, Some(3), "{useless:?}");
+    assert!(useless.stderr.contains(noted) && useless.stderr.contains("largest deflection under"), "{useless:?}");
+    assert!(good(&folder, 0, &format!("run {few} -o run.h5 --force")).stderr.contains(noted));
     assert!(good(&folder, 0, &format!("check {few}")).stdout.contains(noted));
     assert!(!good(&folder, 0, "check scene.toml").stdout.contains(noted));
 }

@@ -239,7 +239,7 @@ fn resultants() {
             (of_vector(&plate.system.load), 2e4 * area * h + 3e3 * area - 5e3 * line),
             (of_vector(&plate.system.support_load), 1e9 * 1e-3 * line),
             (plate.system.multiplicity * plate.system.support_offset, 0.5 * 1e9 * 1e-6 * line),
-            (of_matrix(&plate.system.support), 1e9 * line + 1e7 * area),
+            (of_matrix(&plate.system.support), 1e9 * line + 1e7 / (1.0 + 1e7 * 0.5 * h / 70e9) * area),
             (of_matrix(&plate.system.damping), 4e5 * area),
         ] {
             // Rounding of a thousand terms.

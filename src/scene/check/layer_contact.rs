@@ -60,6 +60,9 @@ const CONTINUED: f64 = 100.0;
 /// Least energy that a law must store, over the energy of the impact.
 const LEAST_ENERGY: f64 = 1e-3;
 
+/// Least wavenumber of the waves in the contact with one layer, times its thickness. Longer waves bend the body as a whole.
+const LEAST_WAVENUMBER: f64 = 1e-3;
+
 /// Thickness and Young's modulus of rigid ground under a layer, over those of the layer.
 const GROUND: [f64; 2] = [2.0, 1e4];
 
@@ -207,7 +210,7 @@ fn error_on_one_layer(size: Vec3, composition: &Composition, supports: &[Support
     let hertz = ForceLaw::Hertz(Hertz { stiffness });
     let energy = hertz.potential(indentation);
     let sphere = Sphere { radius, modulus: 0.75 * stiffness / radius.sqrt() };
-    let longest = plate.wavenumber(plate.rise_time(impactor)).min(1.0 / thickness);
+    let longest = plate.wavenumber(plate.rise_time(impactor)).min(1.0 / thickness).max(LEAST_WAVENUMBER / thickness);
     let law = SphereOnStack::new(&plate.stack, sphere, longest, energy).at_point();
     let table = table(&law).filter(|_| law.capacity() >= energy);
     Some(table.map_or(1.0, |law| (law.peak_force(2.0 * energy, 1.0) / hertz.force(indentation) - 1.0).abs()))

@@ -17,7 +17,7 @@ use super::{SurfaceTerms, rung_below};
 use crate::body::System;
 use crate::description::{Description, Part, Portion};
 use crate::error::Result;
-use crate::form::elastic::{VOLUME, elastic, mass, projected_lambda};
+use crate::form::elastic::{VOLUME, elastic, elastic_with, mass, projected_lambda};
 use crate::form::tensor::{Along, Integrals, Square, Tensor};
 use crate::form::{Lame, Parity, Spline};
 use crate::material::Maxwell;
@@ -116,7 +116,7 @@ impl SplineSolid {
             tensor.matrix_sharing(&parts.iter().flat_map(forms).collect::<Vec<_>>(), &mut integrals)
         };
         let mass = of_parts(&|part| mass(part.material.instantaneous.density, place(part)));
-        let stiffness = of_parts(&|part| elastic(part.material.relaxed(), place(part)));
+        let stiffness = of_parts(&|part| elastic_with(part.material.relaxed(), projected(part), place(part)));
         let relaxation = |(chain, of): (&Maxwell, Vec<usize>)| {
             let forms: Vec<_> = of.iter().flat_map(|part| elastic(Lame::DEVIATORIC, place(&parts[*part]))).collect();
             (tensor.matrix_sharing(&forms, &mut integrals), chain.clone())
@@ -145,7 +145,7 @@ impl SplineSolid {
             exchange: may_exchange(&geometry, &points).then(|| exchange(&points.tensor, geometry.plane())),
             translation: translation(&points.tensor, description.direction),
             factorised: Vec::new(),
-            is_nearly_incompressible: parts.iter().any(|part| projected_lambda(part.material.relaxed()) > 0.0),
+            is_nearly_incompressible: parts.iter().any(|part| projected(part) > 0.0),
             multiplicity,
             classes: 1,
         };
@@ -186,6 +186,14 @@ fn translation(tensor: &Tensor<3>, direction: Vec3) -> Vec<f64> {
         sum.iter_mut().zip(tensor.one(component)).for_each(|(sum, one)| *sum += d * one);
     }
     sum
+}
+
+/// Part of λ (Pa) of a part on the projected change of volume. It follows from the equilibrium modulus of the scene's Maxwell
+/// chain, so that it is the same at all temperatures.
+fn projected(part: &Part) -> f64 {
+    let Lame { lambda, mu } = part.material.relaxed();
+    let equilibrium = part.given.as_ref().map_or(mu, |given| given.equilibrium);
+    projected_lambda(Lame { lambda: lambda + 2.0 / 3.0 * (mu - equilibrium), mu: equilibrium })
 }
 
 /// Portion of the domain that a part occupies, for integrals along the axes.

@@ -2,7 +2,7 @@
 
 use crate::description::Part as BodyPart;
 use crate::element::gauss_legendre;
-use crate::form::elastic::{displacement, projected_lambda};
+use crate::form::elastic::displacement;
 use crate::form::stress::place;
 use crate::form::tensor::{Along, Linear, Part, Tensor};
 use crate::form::{Material, Projection, Spread};
@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 
 use super::geometry::BoxGeometry;
 use super::patch::PatchModel;
-use super::{DEGREE, inner, place as place_of};
+use super::{DEGREE, inner, place as place_of, projected};
 
 /// Number of hexahedra along each axis of a spline cell in which fields are written.
 const PIECES: usize = 2;
@@ -45,7 +45,7 @@ struct ProjectedVolume {
 impl ProjectedVolume {
     /// Pressure of a part; `None` if all of λ acts on the change of volume itself.
     fn new(tensor: &Tensor<3>, part: &BodyPart) -> Option<Self> {
-        let lambda = projected_lambda(part.material.relaxed());
+        let lambda = projected(part);
         let ends = place_of(part).map(|along| match along {
             Along::Within(ends) => ends,
             _ => [f64::NEG_INFINITY, f64::INFINITY],

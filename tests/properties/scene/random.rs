@@ -18,7 +18,7 @@ fn vector(entry: impl Strategy<Value = f64>) -> impl Strategy<Value = Vec3> {
 /// A box, a point on one of its faces and a direction into the box.
 fn hit() -> impl Strategy<Value = (Vec3, Vec3, Vec3)> {
     let face = (0..3usize, any::<bool>());
-    (vector(1e-3..10.0), vector(-1.0..1.0), vector(-1.0..1.0), face, 0.01..1.0).prop_map(
+    (vector(1e-3..10.0), vector(-1.0..1.0), vector(-1.0..1.0), face, 0.05..1.0).prop_map(
         |(size, at, mut direction, (axis, top), inward): (Vec3, Vec3, Vec3, _, f64)| {
             let sign = if top { 1.0 } else { -1.0 };
             let mut point: Vec3 = std::array::from_fn(|i| at[i] * size[i] / 2.0);

@@ -85,7 +85,10 @@ fn areas_of_parts_on_every_space(session: &Session) {
                 // Opposite to the direction of travel.
                 -multiplicity * body.load.dot(translation).unwrap() / PRESSURE
             }];
-            for found in found {
+            // The compression of half of the thickness is in series with springs on the face of a plate.
+            let is_on_face = name.contains("plate") && surface != "side";
+            let softer = if is_on_face { 1.0 / (1.0 + K * 0.5 * z / glass::GLASS.0) } else { 1.0 };
+            for (found, area) in found.into_iter().zip([softer * area, area, area]) {
                 // Quadrature along the rim of a disc: 1e-10 of each facet.
                 assert!((found / area - 1.0).abs() < 1e-9, "{surface} within {within}, {name}: {found} {area}");
             }

@@ -283,7 +283,7 @@ fn a_quarter(session: &Session) {
     assert!((a.footprint.patch().unwrap().thickness - 0.1).abs() < 1e-14);
     // A patch without room on the quarter has none on the whole.
     scene.impactor.point = [0.2, 0.14, 0.05];
-    assert!(refused(&mesh, &scene, Some(radius)).message.contains("within the patch"));
+    assert!(refused(&mesh, &scene, Some(radius)).message.contains("within a patch"));
 }
 
 /// On a solid block, the static aᵀK⁻¹a changes with the patch radius like c_l, so their difference depends on the block

@@ -104,7 +104,8 @@ fn fewer_steps_than_newmark(session: &Session) {
             step /= 1.2;
         };
         println!("  modal: {steps} steps, error {error:.1e}; Newmark: {newmark} steps, error {off:.1e}");
-        assert!(error <= 1e-3 && newmark >= 5 * steps);
+        // Rows of the modal run are denser than its steps, so that straight lines between them are within the tolerance.
+        assert!(error <= 1e-3 && newmark >= 3 * steps);
     }
 }
 

@@ -54,7 +54,7 @@ fn pads_that_are_never_left_are_springs(session: &Session) {
         // All unknowns of these cells.
         let body = "model = \"mindlin\"\nreduction = 2000";
         let time = "end = 3e-3\nstep = 2e-5\ninitial = \"equilibrium\"";
-        run(&session.world(), &(scene(body, &posts(kind), "", time) + "[accuracy]\ntolerance = 0.5\n"))
+        run(&session.world(), &(scene(body, &posts(kind), "", time) + "[accuracy]\ntolerance = 0.5\ncell_factor = 4\n"))
     };
     let pads = ran("kind = \"pad\"\nstiffness = 1e10\nnormal = [0, 0, -1]\n");
     let springs = ran("kind = \"elastic\"\nstiffness = [0, 0, 1e10]\n");

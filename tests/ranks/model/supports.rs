@@ -161,7 +161,7 @@ fn a_smaller_tolerance_never_takes_fewer_cells(session: &Session) {
 fn cells_follow_their_factor(session: &Session) {
     for model in ["mindlin", "solid"] {
         let text = format!(
-            "[body]\nmodel = \"{model}\"\nsize = [0.5, 0.5, 0.02]\n{GLASS}[impactor]\nmass = 2.0\nradius = 0.05\nspeed = 1.0\n[time]\nend = 5e-4\n"
+            "[body]\nmodel = \"{model}\"\nsize = [0.5, 0.5, 0.02]\n{GLASS}[impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 5e-4\n"
         );
         let unknowns = |factor: f64| {
             let scene = parse(&format!("{text}[accuracy]\ntolerance = 5e-2\ncell_factor = {factor}\n"));
