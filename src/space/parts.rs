@@ -183,7 +183,7 @@ pub fn edges(parts: &[Part], axis: usize, is_halved: bool, [low, high]: [f64; 2]
             all = [if ends[0] < 0.0 && ends[1] > 0.0 { 0.0 } else { at[0] }, at[1]];
         }
         let is_inside = |at: &f64| low < *at && *at < high;
-        at.iter().any(is_inside).then(|| Edges { at, ends: all, times, cell: CELL_OVER_LENGTH * part.length })
+        at.iter().any(is_inside).then_some(Edges { at, ends: all, times, cell: CELL_OVER_LENGTH * part.length })
     };
     parts.iter().filter(|part| part.across != axis).filter_map(of_part).collect()
 }
@@ -194,7 +194,7 @@ pub type Line = (f64, usize);
 /// Lines of a grid between the ends of an axis (m). Lines are at the ends, at the impact point and at the edges of parts.
 /// `size` is the size of the cells (m) without parts; at parts they are smaller by `factor` than the largest cell there.
 pub fn lines(ends: [f64; 2], hit: Line, edges: &[Edges], factor: f64, size: impl Fn(f64) -> f64) -> Vec<f64> {
-    let size = |x: f64| {
+    let size = &|x: f64| {
         let at_part = |edges: &Edges| {
             let distance = (edges.ends[0] - x).max(x - edges.ends[1]).max(0.0);
             factor * edges.cell.max(CELL_GROWTH * distance)
@@ -214,7 +214,7 @@ pub fn lines(ends: [f64; 2], hit: Line, edges: &[Edges], factor: f64, size: impl
     let mut lines = vec![fixed[0].0];
     for pair in fixed.windows(2) {
         let [(from, _), (to, times)] = [pair[0], pair[1]];
-        lines.extend(divide([from, to], &size));
+        lines.extend(divide([from, to], size));
         lines.extend(std::iter::repeat_n(to, times));
     }
     lines

@@ -188,12 +188,13 @@ fn translation(tensor: &Tensor<3>, direction: Vec3) -> Vec<f64> {
     sum
 }
 
-/// Part of λ (Pa) of a part on the projected change of volume. It follows from the equilibrium modulus of the scene's Maxwell
-/// chain, so that it is the same at all temperatures.
+/// Part of λ (Pa) of a part on the projected change of volume. Layers have none: stiff plies confine the volume of a thin
+/// interlayer, so that nothing locks, and its stresses are more accurate with the change of volume itself.
 fn projected(part: &Part) -> f64 {
-    let Lame { lambda, mu } = part.material.relaxed();
-    let equilibrium = part.given.as_ref().map_or(mu, |given| given.equilibrium);
-    projected_lambda(Lame { lambda: lambda + 2.0 / 3.0 * (mu - equilibrium), mu: equilibrium })
+    match part.portion {
+        Portion::Layer(_) => 0.0,
+        Portion::All | Portion::Volume(_) => projected_lambda(part.material.relaxed()),
+    }
 }
 
 /// Portion of the domain that a part occupies, for integrals along the axes.
