@@ -239,9 +239,6 @@ pub(super) struct Area {
     pub square: Option<Number>,
     /// Radius of a disc, m.
     pub radius: Option<Number>,
-    /// As `contact.pressure`.
-    #[schemars(extend("enum" = PRESSURES))]
-    pub pressure: Option<String>,
 }
 
 /// `[contact]`
@@ -257,7 +254,7 @@ pub(super) struct Contact {
     pub disc_radius: Option<Number>,
     /// Power and table only: the area of the surface on which the contact presses; by default chosen.
     pub area: Option<Area>,
-    /// Pressure on the area: "even" (default), or "hertz" on a disc. It may stand in the area's table too.
+    /// Pressure on the area: "even" (default), or "hertz" on a disc.
     #[schemars(extend("enum" = PRESSURES))]
     pub pressure: Option<String>,
     /// "hertz" (default), "power" or "table".

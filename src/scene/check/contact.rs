@@ -44,6 +44,7 @@ pub(super) fn localization(
         return Ok(Contact::Area(area(source, given, raw, at)?));
     }
     if raw.pressure.is_some() {
+        word(source, "contact.pressure", &raw.pressure, &raw::PRESSURES)?;
         let help = "`area = { square = 0.2 }` or `area = { radius = 0.1 }`, in m";
         return Err(source.error("contact.pressure", "it is the pressure on contact.area, which is missing", help));
     }
@@ -72,15 +73,8 @@ fn area(
         let help = "take it out, or give a law: \"power\" or \"table\"".into();
         return Err(source.conflict("contact.area", "contact.law", message, help));
     }
-    let (path, key) = match (&given.pressure, &raw.pressure) {
-        (Some(_), Some(_)) => {
-            let message = "contact.pressure gives it already".into();
-            return Err(source.conflict("contact.area.pressure", "contact.pressure", message, "take one out".into()));
-        }
-        (Some(_), None) => (&given.pressure, "contact.area.pressure"),
-        _ => (&raw.pressure, "contact.pressure"),
-    };
-    let is_even = word(source, key, path, &raw::PRESSURES)? == "even";
+    let key = "contact.pressure";
+    let is_even = word(source, key, &raw.pressure, &raw::PRESSURES)? == "even";
     let (path, width, shape) = match (given.square, given.radius) {
         (Some(_), None) if !is_even => {
             return Err(source.error(

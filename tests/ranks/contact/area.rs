@@ -77,7 +77,7 @@ fn plates_are_those_of_an_independent_solid(session: &Session) {
         "[0.5, 0.5, 0.005]",
         "kind = \"clamped\"",
         "mass = 5.0\nspeed = 2.0",
-        linear(3e5, "area = { radius = 0.02, pressure = \"hertz\" }"),
+        linear(3e5, "area = { radius = 0.02 }\npressure = \"hertz\""),
         0.02,
     );
     for (text, [peak, largest, stress]) in
@@ -141,7 +141,7 @@ fn small_areas_add_the_dent_of_a_half_space(session: &Session) {
     };
     let half_space = (1.0 - 0.23_f64.powi(2)) / 70e9;
     for (pressure, factor) in [("even", 16.0 / (3.0 * PI * PI)), ("hertz", 0.6)] {
-        let area = format!("area = {{ radius = {radius}, pressure = \"{pressure}\" }}");
+        let area = format!("area = {{ radius = {radius} }}\npressure = \"{pressure}\"");
         let in_series = 1.0 / (1.0 / stiffness + factor * half_space / radius);
         for (theory, edges) in
             [("mindlin", "[0.4, 0.4, 0.02]"), ("solid", "[0.4, 0.4, 0.02]"), ("solid", "[0.2, 0.2, 0.1]")]
@@ -190,11 +190,11 @@ fn theories_agree(session: &Session) {
 /// a third larger.
 fn meshes_are_splines(session: &Session) {
     let comm = session.world();
-    for area in ["radius = 0.03", "square = 0.05", "radius = 0.03, pressure = \"hertz\""] {
+    for area in ["{ radius = 0.03 }", "{ square = 0.05 }", "{ radius = 0.03 }\npressure = \"hertz\""] {
         let [mesh, spline] = ["cells = [16, 16, 6]", ""].map(|cells| {
             let text = format!(
                 "[body]\nmodel = \"solid\"\nsize = [0.24, 0.24, 0.1]\n{cells}\n{GLASS}[impactor]\nmass = 5.0\nspeed = 1.0\n{}[time]\nend = 4e-4\n",
-                linear(5e9, &format!("area = {{ {area} }}"))
+                linear(5e9, &format!("area = {area}"))
             );
             force(&run(&comm, &text))
         });
