@@ -36,6 +36,12 @@ pub enum Footprint {
         /// Radius of the disc, m.
         radius: f64,
     },
+    /// An area that the scene gives, on a plate with shear or a spline solid. The local compliance is the part of the surface's
+    /// displacement that aᵀu lacks.
+    Area {
+        /// Radius of the disc over which the force is spread, or half the width of the area, m.
+        radius: f64,
+    },
 }
 
 impl Footprint {
@@ -49,7 +55,7 @@ impl Footprint {
         match self {
             Self::Point => None,
             Self::Patch(patch) => Some(patch.disc),
-            Self::Disc { radius } => Some(radius),
+            Self::Disc { radius } | Self::Area { radius } => Some(radius),
         }
     }
 }

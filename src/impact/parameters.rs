@@ -61,6 +61,13 @@ impl ImpactParameters {
         }
     }
 
+    /// Displacement (m) of the surface under the impactor: aᵀu, with the local part under a force (N) on a given area. (Under
+    /// Hertz's law that part is the indentation's.)
+    pub(super) fn surface(&self, displacement: f64, force: f64) -> f64 {
+        let is_given = matches!(self.footprint, Footprint::Area { .. });
+        if is_given { displacement - self.law.compliance * force } else { displacement }
+    }
+
     /// Contact force F at an approach (m) and its rate (m/s), N.
     pub(super) fn force(&self, approach: f64, rate: f64) -> f64 {
         self.law.damped(approach, rate).force
@@ -120,7 +127,7 @@ impl ImpactParameters {
             )));
         }
         let (what, remedy) = match self.footprint {
-            Footprint::Disc { .. } => (
+            Footprint::Disc { .. } | Footprint::Area { .. } => (
                 "too wide for the contact law",
                 "A larger contact.disc_radius, or a hit farther from edges and supports, is needed",
             ),

@@ -204,7 +204,8 @@ fn print_contact(scene: &Scene, footprint: Option<Footprint>) {
         Contact::Patch { .. } => {}
     }
     let patch = footprint.and_then(Footprint::patch);
-    let is_patch = |radius: f64| patch.is_some_and(|patch| patch.radius == radius);
+    let area = scene.contact.area().map(|area| area.half_width);
+    let is_patch = |radius: f64| patch.is_some_and(|patch| patch.radius == radius) || area == Some(radius);
     if let Some(radius) = footprint.and_then(Footprint::disc).filter(|radius| !is_patch(*radius)) {
         say(format_args!("           force applied to the body over a disc of radius {} m", short(radius)));
     }

@@ -135,6 +135,7 @@ impl<'a> Recorder<'a> {
         let (state, force, rise) = (motion.state.clone(), motion.force, motion.rise());
         // The true approach is δ = δ_modes − r F, where r is the static compliance of the modes left out.
         let law: &Law = motion.law();
+        let surface = state.surface(modes) + modes.residual * force + state.settled * modes.rest;
         let step = Step {
             number,
             time: state.time,
@@ -146,7 +147,7 @@ impl<'a> Recorder<'a> {
             contact: Contact {
                 force: parameters.multiplicity * force,
                 indentation: law.indentation(motion.approach, force),
-                surface_displacement: state.surface(modes) + modes.residual * force + state.settled * modes.rest,
+                surface_displacement: parameters.surface(surface, force),
                 approach: motion.approach - modes.residual * force,
                 rate: motion.rate() - modes.residual * rise,
                 impulse: parameters.impulse(state.impactor[1], state.time),

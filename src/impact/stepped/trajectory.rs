@@ -127,7 +127,7 @@ impl Trajectory {
             contact: Contact {
                 force: parameters.multiplicity * force,
                 indentation: parameters.law.indentation(*approach, force),
-                surface_displacement: *surface,
+                surface_displacement: parameters.surface(*surface, force),
                 approach: *approach,
                 rate: *rate,
                 impulse: parameters.impulse(state.q.velocity, self.time),

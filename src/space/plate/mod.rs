@@ -349,6 +349,7 @@ impl Plate {
         let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
         let disc = points.laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
         let footprint = match disc {
+            Some(radius) if points.geometry.area.is_some() => Footprint::Area { radius },
             Some(radius) if compliance != 0.0 => Footprint::Disc { radius },
             _ => Footprint::Point,
         };

@@ -138,6 +138,7 @@ impl PatchModel {
                 limit_radius: 0.0,
                 has_hertz_law: matches!(impactor.force_law, ForceLaw::Hertz(_)),
             }),
+            None if area.is_some() => Footprint::Area { radius: disc },
             None => Footprint::Disc { radius: disc },
         };
         Ok(Self { footprint, spread, disc, compliance: own + of_stack, bends, is_layer, is_stack })

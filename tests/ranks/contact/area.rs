@@ -132,7 +132,12 @@ fn small_areas_add_the_dent_of_a_half_space(session: &Session) {
              stiffness = 1e9\n[impactor]\nmass = 0.5\nspeed = 1.0\n{}[accuracy]\ntolerance = 1e-3\n[time]\nend = 1e-3\n",
             linear(stiffness, area)
         );
-        force(&run(&comm, &text))
+        let ran = run(&comm, &text);
+        // The surface's displacement is the path of the impactor less α, whatever part of it the body computes.
+        let apart = |step: &Step| step.impactor.position - step.contact.indentation - step.contact.surface_displacement;
+        let is_given = area.contains("area");
+        assert!(!is_given || ran.steps.iter().all(|step| step.contact.force == 0.0 || apart(step).abs() < 1e-9));
+        force(&ran)
     };
     let half_space = (1.0 - 0.23_f64.powi(2)) / 70e9;
     for (pressure, factor) in [("even", 16.0 / (3.0 * PI * PI)), ("hertz", 0.6)] {
@@ -186,7 +191,7 @@ fn theories_agree(session: &Session) {
 fn meshes_are_splines(session: &Session) {
     let comm = session.world();
     for area in ["{ radius = 0.03 }", "{ square = 0.05 }", "{ radius = 0.03 }\npressure = \"hertz\""] {
-        let [mesh, spline] = ["cells = [24, 24, 10]", ""].map(|cells| {
+        let [mesh, spline] = ["cells = [16, 16, 6]", ""].map(|cells| {
             let text = format!(
                 "[body]\nmodel = \"solid\"\nsize = [0.24, 0.24, 0.1]\n{cells}\n{GLASS}[impactor]\nmass = 5.0\nspeed = 1.0\n{}[time]\nend = 4e-4\n",
                 linear(5e9, &format!("area = {area}"))
@@ -194,7 +199,7 @@ fn meshes_are_splines(session: &Session) {
             force(&run(&comm, &text))
         });
         println!("{area}: {mesh} {spline}");
-        // Three cells along the radius.
+        // Two cells along the radius.
         assert!((mesh / spline - 1.0).abs() < 1e-2, "{area}: {mesh} {spline}");
     }
 }
