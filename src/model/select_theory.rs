@@ -56,8 +56,9 @@ const LEAST_SLENDERNESS: f64 = 4.0;
 const COMPRESSION_ERROR: f64 = 0.5;
 
 /// Error of the stress at a bedded part of a face, over the square of the thickness of a ply divided by its bedding length.
-/// Plates neglect the stresses of the bedding's pressure itself. Measured against solids of another program (three panes
-/// of tests/ranks/model/supports.rs): 0.12 to 0.17.
+/// Plates neglect the stresses of the bedding's own pressure. An estimate: the errors of converged plates against solids of
+/// another program (the three panes of tests/ranks/model/supports.rs) are 0.11, 0.11 and 0.31 of it, the last with springs on
+/// both faces.
 const BEDDING_STRESS_ERROR: f64 = 0.16;
 
 /// Relative change of the half-space's peak force in Zener's plate, per λ; from Zener's equation for small λ.

