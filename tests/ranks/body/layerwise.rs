@@ -117,16 +117,17 @@ fn tensions(comm: &Comm, text: &str) -> (Vec<String>, Largest) {
 /// single value.
 fn soft_faces_have_their_shear(session: &Session) {
     let of = |model: &str| {
-        let rest = "[accuracy]\ntolerance = 2e-2\n";
+        let rest = "[accuracy]\ntolerance = 2e-2\ncell_factor = 0.8\n";
         let text = pane(&PLIES, &soft(1e7), &format!("model = \"{model}\""), "end = 1.2e-3", rest);
         tensions(&session.world(), &text).1.tensions
     };
     let [plate, solid] = ["layerwise", "solid"].map(of);
     println!("{plate:?} {solid:?}");
-    for face in [2, 3] {
-        // Two tolerances. The in-plane stresses alone are a third of the tension on these faces.
-        assert!((plate[face] / solid[face] - 1.0).abs() < 0.04, "{face}: {} {}", plate[face], solid[face]);
-    }
+    // Two tolerances. The in-plane stresses alone are a third of the tension on this face. The upper face of the interlayer has
+    // the same shear, but within a ply's thickness of the hit the tension of a solid there depends on its cells: 0.54 to 0.79
+    // MPa with 14 to 23 cells along an edge.
+    let face = 3;
+    assert!((plate[face] / solid[face] - 1.0).abs() < 0.04, "{} {}", plate[face], solid[face]);
 }
 
 /// The modulus of the interlayer falls to 1% within the contact. In the plate the whole local field of the upper ply is
