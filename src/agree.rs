@@ -44,20 +44,6 @@ pub fn of_root<T: Serialize + DeserializeOwned>(comm: &Comm, value: Option<T>) -
     of_rank(comm, 0, value)
 }
 
-/// The values of all ranks in the order of the ranks, on every rank. Collective.
-pub fn of_all<T: Serialize + DeserializeOwned>(comm: &Comm, value: &T) -> Vec<T> {
-    let bytes = encoded(value);
-    let lengths = comm.all_gather(&[bytes.len() as u64]);
-    let all = comm.all_gather(&bytes);
-    let mut rest = &all[..];
-    let mut next = |length: &u64| {
-        let (own, others) = rest.split_at(*length as usize);
-        rest = others;
-        decoded(own)
-    };
-    lengths.iter().map(&mut next).collect()
-}
-
 /// The value of one rank, on every rank. Collective.
 fn of_rank<T: Serialize + DeserializeOwned>(comm: &Comm, rank: usize, value: Option<T>) -> T {
     let is_mine = comm.mpi().rank() as usize == rank;

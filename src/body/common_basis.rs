@@ -85,7 +85,7 @@ impl CommonBasis {
 ///
 /// # Errors
 /// If a PETSc call fails.
-pub fn main_directions<const N: usize>(
+fn main_directions<const N: usize>(
     body: &dyn LinearBody,
     all: &Columns,
     depths: [f64; N],
@@ -111,7 +111,7 @@ pub fn main_directions<const N: usize>(
 ///
 /// # Errors
 /// If a PETSc call fails.
-pub fn extend_orthonormal(body: &dyn LinearBody, basis: &mut Columns, directions: &Columns) -> Result<()> {
+fn extend_orthonormal(body: &dyn LinearBody, basis: &mut Columns, directions: &Columns) -> Result<()> {
     for number in 0..directions.count() {
         let next = orthonormal(body, directions.range(number..number + 1), basis)?;
         basis.append(next);
@@ -135,7 +135,7 @@ fn orthonormal(body: &dyn LinearBody, mut next: Columns, basis: &Columns) -> Res
 ///
 /// # Errors
 /// If a PETSc call fails.
-pub fn project(body: &dyn LinearBody, basis: &Columns, rate: f64) -> Result<Projection> {
+fn project(body: &dyn LinearBody, basis: &Columns, rate: f64) -> Result<Projection> {
     let mut projected = Projected::new(body);
     projected.extend(body, basis)?;
     let projection = projected.projection(body, &body.properties()?, basis, rate)?;

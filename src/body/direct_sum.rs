@@ -97,11 +97,6 @@ impl DirectSum {
         Ok(sum(&projections, &self.class_of))
     }
 
-    /// Returns the vectors in the unknowns of the part that [`excited`](super::excited) selects.
-    pub fn excited(&mut self) -> &Columns {
-        if self.parts.len() == 1 { self.parts[0].basis() } else { self.basis() }
-    }
-
     /// Returns all rows of the first vectors on the first rank. On other ranks, distributed vectors are returned
     /// without rows. Collective.
     pub fn whole(&self, count: usize) -> Vec<Vec<f64>> {

@@ -10,7 +10,6 @@ use petsc_wrap::{Comm, options, petsc_version};
 use crate::agree::{decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
-use crate::model::watch::{self, Watch};
 use crate::record::stress::StrengthVerdict;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
 use crate::scene::{Model, Scene, Source};
@@ -81,17 +80,6 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     };
     let scene_of = |index: usize| Ok(task(arguments, &source, &grid, index)?.scene);
     let mut bodies = Bodies::new(&alone, &grouping, &scene_of, theory, arguments.series);
-    // Preparations that members share are not counted as time of a member.
-    let all = of_root(comm, Some(todo.clone()));
-    let follower = comm.is_root().then(|| Follower::new(&alone, interrupt.clone()));
-    let leave_off = || interrupt.is_raised_here();
-    let unseen = watch::Until(&alone, &leave_off);
-    let prepared = bodies.prepare(comm, &all, follower.as_ref().map_or(&unseen, |follower| follower as &dyn Watch));
-    drop(follower);
-    if matches!(prepared, Err(Error::Interrupted)) {
-        return Ok(interrupted(comm));
-    }
-    prepared?;
     let keeper = recorder.clone();
     let flow = schedule(
         comm,

@@ -8,9 +8,7 @@ use crate::body::Body;
 use crate::error::Result;
 use crate::form::stress::principal;
 use crate::scene::Vec3;
-use crate::space::evaluate::{
-    ContactNow, ContactSize, FaceInterpolation, FaceStresses, FaceTension, LocalPoint, Map, TensionMap,
-};
+use crate::space::evaluate::{ContactNow, ContactSize, FaceStresses, FaceTension, LocalPoint, Map, TensionMap};
 
 use super::step::Step;
 use super::stepped::State;
@@ -25,8 +23,6 @@ pub struct Readout {
     pub fields: Option<(usize, Vec<Int>)>,
     /// Faces on which the largest tension is searched; no faces on a rank that does not read.
     pub faces: Option<Rc<FaceStresses>>,
-    /// Interpolation of the tensions on these faces between bodies, if there is one.
-    pub face_interpolation: Option<FaceInterpolation>,
     /// Size of the contact area.
     pub contact: ContactSize,
     /// If only the largest tension of all steps is needed: the tension (Pa) below which a step need not be searched.

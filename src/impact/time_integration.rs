@@ -55,8 +55,7 @@ pub struct Count {
     pub iterations: usize,
     /// Estimated error of the acceleration over its peak, if the steps are controlled by it.
     pub error: Option<f64>,
-    /// Estimated error of the largest tension in the first contact over its peak. It includes the interpolation error of the
-    /// largest tension of the run, if tensions are interpolated between bodies.
+    /// Estimated error of the largest tension in the first contact over its peak.
     pub stress_error: Option<f64>,
     /// Estimated error of the largest tension in the whole run over its peak.
     pub stress_history_error: Option<f64>,

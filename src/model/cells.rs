@@ -69,8 +69,6 @@ pub struct CellSize {
     pub error: Errors,
     /// Estimated errors of the local field.
     pub local_field: Errors,
-    /// Numbers of vectors, of a smaller and a larger basis, with which a basis may begin to grow, if known.
-    pub vectors: Option<[usize; 2]>,
 }
 
 /// Largest number of basis vectors on which cells are compared. The errors of bases with the same number of vectors are
@@ -139,7 +137,7 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
     let force = Some(&reduced.force.0);
     let error = error.map_or_else(Errors::default, |error| with_averaging(evaluator.as_ref(), force, error));
     let local_field = local_field_errors(scene, theory, evaluator.as_ref(), force);
-    Ok(CellSize { size, error, local_field, vectors: None })
+    Ok(CellSize { size, error, local_field })
 }
 
 /// Reduces a body on its present cells. Collective.

@@ -36,7 +36,7 @@ pub(super) fn elastic(scene: &Scene) -> Scene {
 const LEFT_AT_END: f64 = 0.5;
 
 /// The cells that bodies of a sweep share are chosen for this part of a run's discretisation error. The rest is for the
-/// errors of the common basis and of the interpolation, which a run does not have.
+/// error of the common basis, which a run does not have.
 const PART_FOR_SHARED_CELLS: f64 = 0.9;
 
 /// Whether a scene has viscoelastic layers and its cells are chosen in this way.
@@ -162,10 +162,9 @@ pub(super) fn cell_size(
     let allowed = PART_FOR_SHARED_CELLS * CELL_SHARE * scene.tolerance;
     let found = found(comm, scene, theory, built, (None, allowed), watch)?;
     Ok(found.map(|found| {
-        let vectors = Some(found.first_vectors(built, scene));
         let evaluator = built.evaluator.as_ref();
         let error = with_averaging(evaluator, None, found.error);
-        CellSize { size: found.size, error, local_field: local_field_errors(scene, theory, evaluator, None), vectors }
+        CellSize { size: found.size, error, local_field: local_field_errors(scene, theory, evaluator, None) }
     }))
 }
 

@@ -29,7 +29,7 @@ pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
 pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, reduce_from, shift};
 pub use simulation::Simulation;
-pub use theory::{Built, Operators, admits, build, layerwise_evaluator, layerwise_for_products, name};
+pub use theory::{Built, Operators, admits, build, name};
 
 pub use cells::{CellSize, Fitted, cell_size};
 use cells::{fit, refine, unrefined, with_averaging};

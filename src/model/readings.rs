@@ -61,7 +61,6 @@ impl Gauges {
             probes,
             fields: scene.output.fields.map(|every| (every, all)),
             faces: scene.output.stress.then(|| Rc::new(faces)),
-            face_interpolation: None,
             contact,
             least_tension: None,
         };

@@ -177,29 +177,6 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
     }
 }
 
-/// A layerwise plate for products of its operators with vectors only ([`Plate::for_products`]). The vectors have the
-/// unknowns of the whole plate.
-///
-/// # Errors
-/// A fault of `body.model` if the theory does not admit the scene.
-pub fn layerwise_for_products(scene: &Scene, size: f64, watch: &dyn Watch) -> Result<LocalBody> {
-    watch.at(Stage::Assembly { theory: Model::Layerwise, seconds: 0.0 })?;
-    let theory = layerwise(scene);
-    let Plate { mut system, points, .. } = Plate::for_products(scene, theory, &plate_settings(scene, theory, size)?)?;
-    // For the stresses opposite the impact point.
-    evaluator_of_grid(scene, points, &mut system);
-    Ok(LocalBody::new(system))
-}
-
-/// Evaluator of a layerwise plate's displacements and stresses, as [`build`] returns it with the operators.
-///
-/// # Errors
-/// A fault of `body.model` if the theory does not admit the scene.
-pub fn layerwise_evaluator(scene: &Scene, size: f64) -> Result<Evaluator> {
-    let theory = layerwise(scene);
-    Ok(Evaluator::of_grid(scene, Plate::points(scene, theory, &plate_settings(scene, theory, size)?)?))
-}
-
 /// A layerwise plate whose layers have neither shear nor a local field, for estimating the error of the theory.
 /// Collective.
 ///

@@ -20,9 +20,6 @@ pub struct Body {
     pub order: usize,
     /// Part of the body that is solved.
     pub symmetry: Symmetry,
-    /// Shortest flexural wave that the cells of a layerwise plate must resolve, m: the shortest of all bodies that
-    /// share a basis. `None`: the wave of the body's own contact.
-    pub wavelength: Option<f64>,
 }
 
 impl Body {

@@ -51,7 +51,6 @@ mod impact {
     pub mod equilibrium;
     pub mod extremes;
     pub mod hits;
-    pub mod interpolated;
     pub mod modal;
     pub mod newton;
     pub mod pads_condensed;
@@ -134,7 +133,6 @@ fn main() -> ExitCode {
         impact::equilibrium,
         impact::extremes,
         impact::hits,
-        impact::interpolated,
         impact::modal,
         impact::newton,
         impact::pads_condensed,

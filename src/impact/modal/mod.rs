@@ -31,7 +31,7 @@ use super::gate::Gate;
 use super::observer::{Observed, Observer};
 use super::reading::Readout;
 use super::step::Step;
-use super::{Count, ImpactParameters, Plan, TimeIntegration, joined};
+use super::{Count, ImpactParameters, Plan, TimeIntegration};
 use crate::impact::step::at;
 pub use controlled::KnownForce;
 use hit::{HitTension, WatchedStresses};
@@ -133,10 +133,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     fn observed(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
         let Done { trace, mut steps, sizes, faces } = self.done(true, observer)?;
         self.last = Some((trace, sizes));
-        let of_interpolation = self.read_faces(faces.as_ref(), &mut steps, observer);
-        if let (Some(error), Some(of_steps)) = (of_interpolation, &mut self.count.stress_error) {
-            *of_steps = joined(*of_steps, error);
-        }
+        self.read_faces(faces.as_ref(), &mut steps, observer);
         let mut flow = ControlFlow::Continue(());
         for step in &steps {
             if self.gate.tell(step, observer)?.is_break() {
@@ -148,15 +145,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
 
     /// Reads the tensions on the faces in the steps. An interruption leaves the steps that have been read; after an
     /// interruption of the computation, all computed steps are read. Every rank calls this, because the ranks agree on
-    /// interruptions; one of them has the faces. Returns the estimated interpolation error divided by the largest tension;
-    /// `None` if tensions are not interpolated between bodies.
-    fn read_faces(
-        &self,
-        faces: Option<&FacesOfSteps>,
-        steps: &mut Vec<Observed>,
-        observer: &mut dyn Observer,
-    ) -> Option<f64> {
-        let readout = self.readout.as_ref().filter(|readout| readout.faces.is_some())?;
+    /// interruptions; one of them has the faces.
+    fn read_faces(&self, faces: Option<&FacesOfSteps>, steps: &mut Vec<Observed>, observer: &mut dyn Observer) {
+        let Some(readout) = self.readout.as_ref().filter(|readout| readout.faces.is_some()) else { return };
         let mut reading = faces.and_then(|faces| FacesReading::new(faces, readout, steps.len()));
         let (mut read, was_interrupted) = (0, steps.len() > ASK_EVERY && observer.is_interrupted());
         while read < steps.len() {
@@ -170,12 +161,9 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             }
             read = end;
         }
-        let reading = reading?;
-        let error = reading.interpolation_error();
-        if let Some(last) = steps.last_mut() {
+        if let (Some(reading), Some(last)) = (reading, steps.last_mut()) {
             last.reading.map = reading.map;
         }
-        error
     }
 
     /// Leaves the energies of the steps at zero, since they take a large part of the computing time; no effect if the

@@ -7,8 +7,7 @@ use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::space::evaluate::{
-    ContactNow, ContactSize, Coordinates, FaceInterpolation, FaceStresses, FaceTension, InterpolatedTension,
-    LineStresses, Map, TensionMap, TensionSearch,
+    ContactNow, ContactSize, Coordinates, FaceStresses, LineStresses, Map, TensionMap, TensionSearch,
 };
 
 use super::recorder::Moment;
@@ -169,8 +168,6 @@ pub struct FacesReading<'a> {
     search: Option<TensionSearch<'a>>,
     /// Largest tensions of the steps read so far.
     pub map: TensionMap,
-    /// Largest of all tensions read so far, if they are interpolated between bodies.
-    largest: InterpolatedTension,
 }
 
 impl<'a> FacesReading<'a> {
@@ -179,16 +176,7 @@ impl<'a> FacesReading<'a> {
         let faces = readout.faces.as_ref()?;
         let FacesOfSteps { stresses, weights } = of_steps;
         let (search, of_step) = (stresses.search(faces), weights.len() / steps.max(1));
-        // Without a search nothing is interpolated.
-        let error = if search.is_some() { 0.0 } else { f64::NAN };
-        let (map, largest) = (TensionMap::default(), InterpolatedTension { value: 0.0, error });
-        Some(Self { stresses, weights, of_step, faces, readout, search, map, largest })
-    }
-
-    /// Estimated interpolation error divided by the largest tension; `None` if tensions are not interpolated.
-    pub fn interpolation_error(&self) -> Option<f64> {
-        let InterpolatedTension { value, error } = self.largest;
-        self.readout.face_interpolation.as_ref().map(|_| if value > 0.0 { error / value } else { error })
+        Some(Self { stresses, weights, of_step, faces, readout, search, map: TensionMap::default() })
     }
 
     /// Stores the largest tensions on the faces in the next steps.
@@ -205,7 +193,6 @@ impl<'a> FacesReading<'a> {
             let times: Vec<f64> = steps.iter().map(|step| step.step.time).collect();
             self.map.take(&found.map(&times));
             steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
-            self.interpolate(steps, all, &contacts);
         } else {
             let all = all.all();
             let weights = all.chunks_exact(self.stresses.inputs().max(1));
@@ -214,36 +201,6 @@ impl<'a> FacesReading<'a> {
                 let (found, of_step) = self.faces.tensions(&stresses, contact, step.step.time);
                 self.map.take(&of_step);
                 step.reading.faces = found;
-            }
-        }
-    }
-
-    /// Replaces tensions that are near the largest one by interpolated tensions, if there are bodies between which to
-    /// interpolate.
-    fn interpolate(&mut self, steps: &mut [Observed], coordinates: Coordinates, contacts: &[ContactNow]) {
-        let Some(interpolation) = &self.readout.face_interpolation else { return };
-        let of_steps = steps.iter().flat_map(|step| &step.reading.faces);
-        let largest = of_steps.map(|found| found.largest).fold(self.largest.value, f64::max);
-        // The stresses of the other bodies are in terms of the coordinates on the basis.
-        if !matches!(self.stresses, StressesOfSteps::OnBasis(_)) {
-            self.largest = InterpolatedTension { value: largest, error: f64::NAN };
-            return;
-        }
-        let limit = FaceInterpolation::smallest(largest, self.readout.least_tension.unwrap_or(f64::INFINITY));
-        let is_near = |found: &FaceTension| found.largest >= limit;
-        for (number, (step, contact)) in steps.iter_mut().zip(contacts).enumerate() {
-            if !step.reading.faces.iter().any(is_near) {
-                continue;
-            }
-            let of_step = coordinates.of(&[number], self.stresses.inputs());
-            for (face, found) in step.reading.faces.iter_mut().enumerate().filter(|(_, found)| is_near(found)) {
-                let unknown = InterpolatedTension { value: found.largest, error: f64::NAN };
-                let tension =
-                    interpolation.interpolate(self.faces, (face, found), &of_step, contact).unwrap_or(unknown);
-                found.largest = tension.value;
-                if tension.value > self.largest.value {
-                    self.largest = tension;
-                }
             }
         }
     }

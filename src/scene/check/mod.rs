@@ -90,7 +90,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     if let Geometry::Box { size, .. } = geometry {
         impactor.layer_effect = layer_contact::law(size, &composition, &supports, &impactor, contact);
     }
-    let body = Body { model, reduction, composition, temperature, geometry, order, symmetry, wavelength: None };
+    let body = Body { model, reduction, composition, temperature, geometry, order, symmetry };
     let keys = plausible::Keys { stiffness: &stiffness_key, density: &density_key };
     plausible::check(source, (&body, keys), (&impactor, raw.impactor.stiffness.is_some()), time.end)?;
     Ok(Scene {

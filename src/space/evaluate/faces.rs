@@ -139,11 +139,6 @@ impl Face {
         with_shear(in_plane, [shear[0], shear[1], self.sign * across[2] + lacking(normal)])
     }
 
-    /// The point of a grid that is nearest to a position (m); `None` if the points are not on a grid.
-    pub(super) fn nearest(&self, position: Vec3) -> Option<usize> {
-        self.grid.as_ref().map(|grid| grid.nearest(position))
-    }
-
     fn local_at(&self, point: usize) -> Option<&LocalPoint> {
         self.local.binary_search_by_key(&point, |(of, _)| *of).ok().map(|at| &self.local[at].1)
     }
@@ -378,24 +373,6 @@ impl FaceStresses {
             found.push(largest);
         }
         (found, TensionMap::of_step(all, time))
-    }
-
-    /// Largest principal stress at a point of a face, Pa. `coordinates` are the coordinates of the body on its basis. `None`
-    /// if the point is left out, or if the stresses are not a dense matrix with this number of coordinates.
-    pub(super) fn tension_at(
-        &self,
-        face: usize,
-        point: usize,
-        coordinates: &[f64],
-        contact: &ContactNow,
-    ) -> Option<f64> {
-        let (count, entries) = self.dense().filter(|(count, _)| *count == coordinates.len())?;
-        let components = self.map.components();
-        let sampled = |number: usize| -> Vec<f64> {
-            let rows = entries[components * number * count..].chunks_exact(count).take(components);
-            rows.map(|row| row.iter().zip(coordinates).map(|(a, b)| a * b).sum()).collect()
-        };
-        Some(self.faces[face].value(point, sampled, contact)).filter(|tension| !tension.is_nan())
     }
 
     /// Stresses on lines, if the body is reduced to a basis and has them.

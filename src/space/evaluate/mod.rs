@@ -1,6 +1,5 @@
 //! Displacements and stresses at any points of a body, as linear functions of its unknowns.
 
-mod face_interpolation;
 mod faces;
 mod grid;
 mod line_stress;
@@ -12,7 +11,6 @@ mod smoothed;
 mod stress_map;
 mod tension_map;
 
-pub use face_interpolation::{FaceInterpolation, InterpolatedTension, WeightedFaces};
 pub use faces::{Face, FaceGrid, FaceStresses, FaceTension};
 pub use grid::Grid;
 pub use line_stress::{AtPlace, FaceLines, LinePart, LineStresses, Lines};

@@ -17,7 +17,7 @@ mod waves;
 
 pub use cells::{LocalVibrations, ShearTravelTimes, crossing, phase};
 pub(super) use cells::{contact_time, wavelength};
-pub use laminate::{FrequencyRatios, LEAST_LAYER, Laminate, contact_wavelength, frequency_ratios};
+pub use laminate::{FrequencyRatios, LEAST_LAYER, Laminate, frequency_ratios};
 pub use points::Points;
 pub use theory::PlateTheory;
 pub use waves::{classes_of_motions, infinite_plate};
@@ -147,15 +147,6 @@ pub struct Plate {
     pub points: Points,
 }
 
-/// How the mass and the stiffness of a plate are stored.
-#[derive(Clone, Copy, PartialEq)]
-enum Storage {
-    /// As matrices, and also as products along the axes where these are quicker.
-    Matrices,
-    /// Only as products along the axes.
-    Products,
-}
-
 /// Data of a plate from which its matrices are made.
 struct Outline {
     geometry: PlateGeometry,
@@ -235,8 +226,7 @@ impl Outline {
         let local =
             is_mindlin.then(|| Local::new(&section, settings, geometry.distance_to_edge(), geometry.area.as_ref()));
         let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
-        let own_wave = || wavelength(&section, contact_time(&section, &scene.impactor));
-        let wave = scene.body.wavelength.filter(|_| laminate.is_some()).unwrap_or_else(own_wave);
+        let wave = wavelength(&section, contact_time(&section, &scene.impactor));
         let in_plane = cells::lines(&geometry, &section, (wave, &parts::parts(scene)), disc, settings)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
         Ok(Self { geometry, laminate, section, local, in_plane })
@@ -281,19 +271,6 @@ impl Plate {
     /// # Errors
     /// A fault of `body.model` if the theory cannot model the scene, or if the plate would need too many cells.
     pub fn new(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
-        Self::with_storage(scene, theory, settings, Storage::Matrices)
-    }
-
-    /// Builds a scene's plate with mass, stiffness and relaxation stored only as products along the axes, which is much
-    /// quicker. Their matrices are empty.
-    ///
-    /// # Errors
-    /// Same as [`Plate::new`].
-    pub fn for_products(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
-        Self::with_storage(scene, theory, settings, Storage::Products)
-    }
-
-    fn with_storage(scene: &Scene, theory: PlateTheory, settings: &Settings, storage: Storage) -> Result<Self> {
         let description = Description::new(scene);
         let points = Outline::new(scene, &description, theory, settings)?.points(scene, theory, settings);
         let PlateGeometry { normal, thickness, .. } = points.geometry;
@@ -319,13 +296,9 @@ impl Plate {
             vector
         };
         let of_classes = |matrix: CsrMatrix<f64>| repeated(matrix, classes);
-        let exchange = square::exchange(&points).filter(|_| storage == Storage::Matrices);
+        let exchange = square::exchange(&points);
         let (mut factorised, mut integrals) = (Vec::new(), Integrals::default());
         let mut of_forms = |operator: Operator, forms: &[Square<2>]| {
-            if storage == Storage::Products {
-                factorised.push((operator, Rc::new(points.tensor.factorised(forms, &mut integrals))));
-                return CsrMatrix::zeros(points.all_unknowns(), points.all_unknowns());
-            }
             let matrix = points.tensor.matrix_sharing(forms, &mut integrals);
             // A square that is symmetric about its diagonal is reduced to half of its unknowns, which have no product
             // form along the axes. Whether its supports are symmetric too is not known yet.

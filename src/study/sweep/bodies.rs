@@ -8,9 +8,7 @@ use petsc_wrap::Comm;
 use super::by_body::{BodyOf, ByBody, chains, shared};
 use super::family::{self, Family};
 use super::grouping::{Found, Grouping, Line};
-use super::interpolated::{self, Interpolated, Start};
 use super::member::Computed;
-use crate::agree::decided;
 use crate::body::ModalBody;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
@@ -42,8 +40,6 @@ pub struct Bodies<'a> {
     kept: ByBody<Kept>,
     /// Families by the body that their line shares; `None` if no merged basis was good enough.
     families: ByBody<Option<Family>>,
-    /// Interpolated viscoelastic bodies by their line; `None` if the interpolation was not possible.
-    relaxing: ByBody<Option<Interpolated>>,
 }
 
 /// A body reduced to a basis. The error of each member is estimated as the given factor times the difference from a
@@ -59,8 +55,6 @@ struct Kept {
     of_model: Errors,
     /// The impact for which the basis was made, if known.
     made_for: Option<MadeFor>,
-    /// Whether the body is interpolated. It then already has the member's Maxwell chains, and it has no energies.
-    is_interpolated: bool,
     /// Whether loads move the body and the impactor does not touch it: the basis is not for contacts.
     is_moved_by_loads: bool,
     /// Same as [`Model::may_lower_shift`].
@@ -93,7 +87,6 @@ impl<'a> Bodies<'a> {
             has_energies,
             kept: ByBody::default(),
             families: ByBody::default(),
-            relaxing: ByBody::default(),
         };
         for (scene, model) in theory.into_iter().flat_map(|found| found.made) {
             let of_theory = bodies.error_of_theory(&scene);
@@ -119,11 +112,7 @@ impl<'a> Bodies<'a> {
     ) -> Result<Option<Computed>> {
         let comm = self.comm.clone();
         let watch = &Until(&comm, &**interrupted);
-        let shared = match self.interpolated(index, scene, watch)? {
-            None => self.of_family(index, scene, watch)?,
-            shared => shared,
-        };
-        let tried = match shared {
+        let tried = match self.of_family(index, scene, watch)? {
             Some(kept) => kept.simulate(scene, self.has_energies, interrupted),
             None => self.of_body(scene, interrupted)?,
         };
@@ -159,100 +148,6 @@ impl<'a> Bodies<'a> {
         Ok(kept.simulate(scene, self.has_energies, interrupted))
     }
 
-    /// Makes, on all ranks together, the bodies between which members are interpolated. Collective on `ranks`; each
-    /// rank's interruption is watched separately.
-    ///
-    /// # Errors
-    /// Same as making a model.
-    pub fn prepare(&mut self, ranks: &Comm, todo: &[usize], watch: &dyn Watch) -> Result<()> {
-        let (mut seen, all) = (ByBody::default(), self.grouping.lines());
-        for &index in todo {
-            if seen.len() == all || self.relaxing.len() >= MAX_BODIES {
-                break;
-            }
-            let scene = (self.scene_of)(index)?;
-            let Some(line) = self.grouping.line_of(index, &scene) else { continue };
-            seen.get_or_insert_with(line.body.clone(), || ());
-            if self.interpolates(&line, &scene) && self.relaxing.get(&line.body).is_none() {
-                self.make_interpolated(ranks, &line.body, watch)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether the members of a line are interpolated: at least [`family::MIN_VALUES`] members that differ in their
-    /// relaxation alone.
-    fn interpolates(&self, line: &Line, scene: &Scene) -> bool {
-        line.count >= family::MIN_VALUES
-            && !self.has_energies
-            && self.grouping.is_of_relaxations()
-            && interpolated::admits(&self.named(scene.clone()))
-    }
-
-    fn make_interpolated(&mut self, ranks: &Comm, line: &BodyOf, watch: &dyn Watch) -> Result<()> {
-        let all = self.grouping.members_on(line);
-        let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
-        // If one body fails, the members may still be computed separately.
-        fn possible<T>(made: Result<Option<T>>) -> Result<Option<T>> {
-            match made {
-                Err(Error::Solve(_) | Error::Fault(_)) => Ok(None),
-                made => made,
-            }
-        }
-        let scene_of = |value: f64, limits_deflection_error: bool| {
-            Ok(Scene { limits_deflection_error, ..self.scene_on(&all, value)? })
-        };
-        let start = |limits: bool| possible(Start::new(ranks, &values, &|value| scene_of(value, limits), watch));
-        let first = self.scene_on(&all, values[0])?;
-        let with_bodies = |start: Option<Start>, limits: bool| match start {
-            Some(start) => {
-                let scene_of = |value| scene_of(value, limits);
-                possible(Interpolated::new(ranks, &values, &scene_of, start, watch))
-            }
-            None => Ok(None),
-        };
-        let lacks_rotations = has_automatic_basis(&first) && first.basis_may_lack_rotations();
-        let started = start(lacks_rotations)?;
-        let is_poor = || Ok(!lacks_rotations && started.as_ref().is_some_and(|start| start.needs_low_shift(&first)));
-        let second = if decided(ranks, is_poor)? { start(true)? } else { None };
-        let made = match with_bodies(second, true)? {
-            None => with_bodies(started, lacks_rotations)?,
-            made => made,
-        };
-        self.relaxing.get_or_insert_with(line.clone(), || made);
-        Ok(())
-    }
-
-    /// The member's body by interpolation, if that is possible.
-    fn interpolated(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
-        let Some(line) = self.grouping.line_of(index, scene) else { return Ok(None) };
-        if !self.interpolates(&line, scene) {
-            return Ok(None);
-        }
-        // The error must be looked up before `auto` is replaced by the selected theory.
-        let of_theory = self.error_of_theory(scene);
-        let scene = &self.named(scene.clone());
-        if self.relaxing.get(&line.body).is_none() {
-            if self.relaxing.len() >= MAX_BODIES {
-                self.relaxing.clear();
-            }
-            self.make_interpolated(&self.comm.clone(), &line.body, watch)?;
-        }
-        let Some(Some(made)) = self.relaxing.get(&line.body) else { return Ok(None) };
-        Ok(made.at(line.value, scene)?.map(|(body, errors, readout)| Kept {
-            body,
-            theory: scene.body.model,
-            judge: None,
-            unknowns: made.unknowns(),
-            readout,
-            of_model: of_theory.joined(errors),
-            made_for: None,
-            is_interpolated: true,
-            is_moved_by_loads: false,
-            may_lower_shift: false,
-        }))
-    }
-
     /// Scene of the member of a line with a given value, with the theory of all members. The line is in ascending order
     /// of values.
     fn scene_on(&self, line: &[(f64, usize)], value: f64) -> Result<Scene> {
@@ -265,7 +160,10 @@ impl<'a> Bodies<'a> {
     fn of_family(&mut self, index: usize, scene: &Scene, watch: &dyn Watch) -> Result<Option<Kept>> {
         let Some(Line { body, value, count }) = self.grouping.line_of(index, scene) else { return Ok(None) };
         let is_open = scene.body.model == scene::Model::Auto && self.theory.is_none();
-        if count < family::MIN_VALUES || is_open || scene.is_on_pads() {
+        // The local field of a plate depends on the relaxation too, and bodies of one family share it.
+        let has_other_fields =
+            self.grouping.is_of_relaxations() && self.named(scene.clone()).body.model != scene::Model::Solid;
+        if count < family::MIN_VALUES || is_open || has_other_fields || scene.is_on_pads() {
             return Ok(None);
         }
         if self.families.get(&body).is_none() {
@@ -304,7 +202,6 @@ impl<'a> Bodies<'a> {
                 readout: family.readout.clone(),
                 of_model: of_theory.joined(Errors { stress: f64::NAN, stress_history: f64::NAN, ..of_merging }),
                 made_for: None,
-                is_interpolated: false,
                 is_moved_by_loads: false,
                 may_lower_shift: false,
             }
@@ -360,7 +257,6 @@ impl Kept {
                 readout,
                 of_model,
                 made_for,
-                is_interpolated: false,
                 may_lower_shift,
             }),
             Dynamics::Stepped(_) => Err(Error::Solve("the body has no modal coordinates".into())),
@@ -370,10 +266,10 @@ impl Kept {
     /// Whether the error of a member's deflection is estimated: its basis was compared with another, it has the rotations
     /// of the body, and there is no contact patch.
     fn estimates_deflection(&self, scene: &Scene) -> bool {
-        let is_compared = self.made_for.is_some() || self.judge.is_some() || self.is_interpolated;
+        let is_compared = self.made_for.is_some() || self.judge.is_some();
         let lacks_rotations = match &self.made_for {
             Some(MadeFor { of_basis, .. }) => of_basis.deflection.is_nan(),
-            // Automatic bases of families and of interpolated bodies have a low shift if they would lack rotations.
+            // Automatic bases of families have a low shift if they would lack rotations.
             None => scene.basis_may_lack_rotations() && !has_automatic_basis(scene),
         };
         is_compared && !lacks_rotations && self.body.footprint.patch().is_none()
@@ -384,7 +280,7 @@ impl Kept {
         let mut steps = Vec::new();
         let relaxing = chains(scene);
         let with_chains = |body: &ModalBody| body.with_chains(&relaxing);
-        let own = if self.is_interpolated { None } else { with_chains(&self.body)? };
+        let own = with_chains(&self.body)?;
         let body = own.as_ref().unwrap_or(&self.body);
         let mut impact = ModalImpact::new(scene, body);
         if !has_energies {
@@ -417,11 +313,6 @@ impl Kept {
         // Only the energies tell which part of the deflection is due to the compliance of the supports.
         let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
         let is_doubtful = yields && deflection_over_thickness > largest_linear(edges(scene));
-        if self.is_interpolated && is_doubtful {
-            return Err(Error::Solve(
-                "the compliance of the supports needs energies, which interpolated bodies do not have".into(),
-            ));
-        }
         if !has_energies && is_doubtful {
             return self.simulate(scene, true, interrupted);
         }

@@ -118,11 +118,6 @@ impl Grouping {
         Some(Line { body, value: values[index], count })
     }
 
-    /// Number of lines.
-    pub fn lines(&self) -> usize {
-        self.lines.len()
-    }
-
     /// Whether the bodies of a line differ in their relaxation.
     pub fn is_of_relaxations(&self) -> bool {
         matches!(self.line, Some((Property::Relaxation, _)))

@@ -6,18 +6,15 @@ mod digest;
 mod family;
 mod grid;
 mod grouping;
-mod interpolated;
 mod member;
 mod scheduler;
 mod shard;
-mod spread;
 mod vary;
 
 pub use bodies::Bodies;
 pub use digest::{Task, digest};
 pub use grid::Grid;
 pub use grouping::{Found, Grouping, Property};
-pub use interpolated::{Interpolated, Start};
 pub use member::{Computed, simulate};
 pub use scheduler::{Compute, Kept, schedule};
 pub use shard::{Shard, parts};

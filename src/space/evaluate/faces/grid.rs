@@ -38,12 +38,6 @@ impl FaceGrid {
         self.lines[0].iter().flat_map(|a| self.lines[1].iter().map(move |b| at(*a, *b))).collect()
     }
 
-    /// Number of the point nearest to a position, m.
-    pub(super) fn nearest(&self, position: Vec3) -> usize {
-        let [a, b] = [0, 1].map(|side| nearest(&self.lines[side], position[self.axes[side]]));
-        a * self.lines[1].len() + b
-    }
-
     /// Replaces the largest value by the maxima of parabolas through it and its neighbours along each axis.
     pub(super) fn refine(&self, best: usize, top: f64, value: impl Fn(usize) -> f64, found: &mut FaceTension) {
         let count = self.lines[1].len();
@@ -83,11 +77,4 @@ fn with_hit(lines: &[f64], hit: f64) -> Vec<f64> {
         None => {}
     }
     lines
-}
-
-/// Number of the line nearest to a coordinate; lines are ascending.
-fn nearest(lines: &[f64], x: f64) -> usize {
-    let above = lines.partition_point(|line| *line < x).min(lines.len() - 1);
-    let below = above.saturating_sub(1);
-    if (x - lines[below]).abs() < (lines[above] - x).abs() { below } else { above }
 }

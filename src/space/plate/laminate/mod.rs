@@ -261,15 +261,6 @@ pub fn frequency_ratios(scene: &Scene) -> crate::error::Result<FrequencyRatios> 
     Ok(FrequencyRatios::new(&laminate, &geometry))
 }
 
-/// Length of the flexural waves of the contact with a layerwise plate, m. The cell sizes are based on it.
-///
-/// # Errors
-/// Same as [`frequency_ratios()`].
-pub fn contact_wavelength(scene: &Scene) -> crate::error::Result<f64> {
-    let section = whole_section(scene)?;
-    Ok(cells::wavelength(&section, cells::contact_time(&section, &scene.impactor)))
-}
-
 /// Section of all layers together as a thin plate.
 ///
 /// # Errors
