@@ -126,12 +126,3 @@ pub trait LinearBody {
         None
     }
 }
-
-/// Returns the part of a body that contains all motions excited by the force and the loads: its only class, or the
-/// whole body.
-pub fn excited(body: &dyn LinearBody) -> &dyn LinearBody {
-    match body.classes()[..] {
-        [one] => one,
-        _ => body,
-    }
-}

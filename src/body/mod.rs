@@ -56,7 +56,7 @@ pub use diagonal_symmetry::DiagonalSymmetry;
 pub use direct_sum::DirectSum;
 pub use infinite_plate::{InfinitePlate, ModeCount, SHIFT_OVER_CUTOFF, VECTORS_PER_MODE};
 pub use krylov::Krylov;
-pub use linear::{LinearBody, Operator, Properties, excited};
+pub use linear::{LinearBody, Operator, Properties};
 pub use local::LocalBody;
 pub use lumped::Lumped;
 pub use modal::ModalBody;

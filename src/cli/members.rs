@@ -115,7 +115,7 @@ impl Remarks {
             );
             let (error, quantity) = match measure {
                 Measure::Acceleration => (f64::NAN, ""),
-                Measure::Stress => (tension_error, "the tension in the first contact"),
+                Measure::Stress => (tension_error, "the largest tension"),
                 Measure::Deflection => (deflection_error, "the deflection under the impactor"),
             };
             if error > *tolerance {
@@ -127,7 +127,7 @@ impl Remarks {
             }
             if *measure != Measure::Stress && tension_error > LARGE_ERROR_OF_TENSION.max(*tolerance) {
                 let text = format!(
-                    "the estimated error of the largest tension in the first contact is {} of its peak; {remedy_of_tension} may lower this error",
+                    "the estimated error of the largest tension is {} of its peak; {remedy_of_tension} may lower this error",
                     estimated(tension_error)
                 );
                 all.notes.add(member, remark("error of the tension", tension_error, text));

@@ -132,7 +132,7 @@ pub(crate) fn limits(
     thickness: f64,
     unit_compliance: f64,
 ) -> (f64, f64) {
-    let Impactor { stiffness, speed, .. } = *impactor;
+    let (stiffness, speed) = (impactor.stiffness, impactor.contact_speed());
     let radius = |indentation| unit_compliance * Hertz { stiffness }.tangent(indentation);
     let reduced = impactor.mass / (1.0 + impactor.mass / mass);
     let impedance = zener::impedance(struck, thickness);

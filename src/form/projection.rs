@@ -7,7 +7,7 @@ use super::Spline;
 /// Degree of the splines onto which functions are projected.
 const DEGREE: usize = 2;
 
-/// Projection Πf = Σ_ij b_i S_ij ∫ b_j f onto quadratic splines b with the lines of other splines, in an interval.
+/// Projection Πf = Σ_ij b_i S_ij ∫ b_j f onto quadratic splines b with the lines of other splines.
 ///
 /// S is the approximate dual of smallest support (C. K. Chui, W. He & J. Stöckler, Nonstationary tight wavelet frames,
 /// I: Bounded intervals, Appl. Comput. Harmon. Anal. 17, 2004). Like the inverse of ∫ b_i b_j, it is symmetric and
@@ -20,14 +20,9 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// Projection of functions of `spline` on the part of its line within an interval, whose ends are breaks or beyond
-    /// the line.
-    pub fn new(spline: &Spline, [start, end]: [f64; 2]) -> Self {
-        let breaks = spline.breaks();
-        let ends = [start.max(breaks[0]), end.min(breaks[breaks.len() - 1])];
-        let inner = breaks.iter().copied().filter(|x| ends[0] < *x && *x < ends[1]);
-        let lines: Vec<f64> = [ends[0]].into_iter().chain(inner).chain([ends[1]]).collect();
-        let target = Spline::new(&lines, DEGREE, DEGREE - 1);
+    /// Projection of functions of `spline`.
+    pub fn new(spline: &Spline) -> Self {
+        let target = Spline::new(spline.breaks(), DEGREE, DEGREE - 1);
         let dual = approximate_dual(&target);
         Self { target, dual }
     }
@@ -80,7 +75,7 @@ mod tests {
         let graded: Vec<f64> = (0..30).map(|i| 1.3_f64.powi(i)).collect();
         for lines in [vec![-1.0, 2.0], vec![0.0, 0.01, 0.02, 0.1, 0.3, 0.3, 1.0, 4.0], graded] {
             let spline = Spline::new(&lines, 4, 3);
-            let projection = Projection::new(&spline, [f64::NEG_INFINITY, f64::INFINITY]);
+            let projection = Projection::new(&spline);
             let n = projection.target.functions();
             let own = projection.coefficients(&projection.target, 0);
             let values = own.complex_eigenvalues();

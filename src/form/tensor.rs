@@ -32,21 +32,16 @@ pub enum Along {
     All,
     /// Integral over the part of the axis within an interval.
     Within([f64; 2]),
-    /// Integral over the part of the axis within an interval, with the second factor projected onto quadratic splines
-    /// ([`Projection`]).
-    Projected([f64; 2]),
+    /// Integral over the whole axis, with the second factor projected onto quadratic splines ([`Projection`]).
+    Projected,
     /// Value at one coordinate.
     At(f64),
 }
 
 impl Along {
-    /// The same part of the axis, with projection.
+    /// The whole axis with projection; other parts of an axis stay as they are.
     pub fn projected(self) -> Self {
-        match self {
-            Self::All => Self::Projected([f64::NEG_INFINITY, f64::INFINITY]),
-            Self::Within(ends) => Self::Projected(ends),
-            Self::Projected(_) | Self::At(_) => self,
-        }
+        if self == Self::All { Self::Projected } else { self }
     }
 }
 
@@ -229,15 +224,15 @@ impl<const D: usize> Tensor<D> {
         let values = match place {
             Along::All => t.products(e, s, d),
             Along::Within(ends) => t.products_within(ends, e, s, d),
-            Along::Projected(ends) => Projection::new(s, ends).products((t, e), (s, d)),
+            Along::Projected => Projection::new(s).products((t, e), (s, d)),
             Along::At(x) => t.values(x, e) * s.values(x, d).transpose(),
         };
         let met = match place {
             // Functions of one parity all overlap.
-            Along::All | Along::Projected(_) if s.is_folded() => vec![0..t.functions(); s.functions()],
+            Along::All | Along::Projected if s.is_folded() => vec![0..t.functions(); s.functions()],
             // No function changes its sign, so two functions overlap if and only if the integral of their product is
             // not zero. The first and last products with a projection have a single part, which is not zero either.
-            Along::All | Along::Within(_) | Along::Projected(_) if derivatives != [0, 0] => {
+            Along::All | Along::Within(_) | Along::Projected if derivatives != [0, 0] => {
                 let values = parts.map(|part| Part { derivatives: [0; D], ..part });
                 let number = self.along(axis, place, values, integrals);
                 integrals.products(number).met.clone()
@@ -305,8 +300,8 @@ impl<const D: usize> Tensor<D> {
             let values = std::array::from_fn(|axis| {
                 let (spline, derivative) = (&self.fields[part.field][axis], part.derivatives[axis]);
                 match place[axis] {
-                    Along::All => spline.integrals(derivative),
-                    Along::Within(ends) | Along::Projected(ends) => spline.integrals_within(ends, derivative),
+                    Along::All | Along::Projected => spline.integrals(derivative),
+                    Along::Within(ends) => spline.integrals_within(ends, derivative),
                     Along::At(at) => spline.values(at, derivative),
                 }
             });

@@ -179,7 +179,7 @@ pub fn refine(
             fine.error = Some(error);
             let wanted = allowed(scene, fine.reduced.error.joined(of_theory));
             let over = watch.agreed(error.of(scene.measure) / wanted);
-            finer = rung_below(over.recip().powf(1.0 / LARGEST_ORDER)).clamp(FINER_CELL_FACTORS[0], RUNG);
+            finer = rung_below(over.recip().powf(1.0 / LARGEST_ORDER)).clamp(RUNG * RUNG, RUNG);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
             if over <= 1.0
                 || scene.keeps_cells

@@ -24,10 +24,11 @@ pub use error_factors::ErrorFactors;
 pub use judgement::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, OTHER_CONTACTS};
 use judgement::{LARGEST_COST_FOR_DEFLECTIONS, cost};
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
-pub use local_field_error::local_field_errors;
+use local_field_error::local_field_errors;
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
-pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, reduce_from, shift};
+pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, shift};
+pub use select_theory::thickness_compression;
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 

@@ -173,7 +173,7 @@ fn slender(scene: &Scene) -> std::result::Result<(), String> {
 /// Relative effect of supports that compress the thickness, for a support on the struck face or on the opposite face:
 /// the compression p h/E over the support's displacement p/k, at most k h/E. For layers the sum of their compliances
 /// replaces h/E. For a damper k is c π/T, with T the contact time on a half-space.
-fn thickness_compression(scene: &Scene, support: &Support) -> f64 {
+pub fn thickness_compression(scene: &Scene, support: &Support) -> f64 {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return 0.0 };
     if faces(&support.surface).iter().all(|(across, _)| *across != axis) {
         return 0.0;

@@ -79,7 +79,11 @@ impl Side {
 /// Number of intervals in which the size of the cells between two lines is sampled.
 const SAMPLES: usize = 400;
 
-/// Lines within an interval (m) that divide it into cells of a wanted size (m) as a function of the coordinate.
+/// Largest number of cells in an interval: more than any grid has.
+const MOST: usize = 10_000;
+
+/// Lines within an interval (m) that divide it into cells of a wanted size (m) as a function of the coordinate, at most
+/// [`MOST`].
 pub fn divide([from, to]: [f64; 2], size: impl Fn(f64) -> f64) -> Vec<f64> {
     let width = (to - from) / SAMPLES as f64;
     // Number of cells up to the end of each interval.
@@ -88,7 +92,7 @@ pub fn divide([from, to]: [f64; 2], size: impl Fn(f64) -> f64) -> Vec<f64> {
         counts.push(counts[sample] + width / size(from + (sample as f64 + 0.5) * width));
     }
     let all = counts[SAMPLES];
-    let cells = (all * (1.0 - 1e-9)).ceil().max(1.0) as usize;
+    let cells = ((all * (1.0 - 1e-9)).ceil().max(1.0) as usize).min(MOST);
     let line = |number: usize| {
         let wanted = all * number as f64 / cells as f64;
         let after = counts.partition_point(|count| *count < wanted).max(1);

@@ -30,7 +30,7 @@ pub struct Part {
     /// Extent on the face.
     pub extent: Extent,
     /// Bedding length (4D/k)^¼ of the most flexible ply, m (Timoshenko & Woinowsky-Krieger, *Theory of Plates and Shells*,
-    /// § 57); infinite for a load.
+    /// § 57), and at least its thickness, below which a ply does not bend; infinite for a load, and on the sides.
     pub bedding_length: f64,
     /// Shortest length of the stresses there, m: the bedding length, the shear length of a laminate, or the radius of a disc.
     /// Infinite for a load on a box-shaped part of a single layer.
@@ -43,7 +43,7 @@ pub fn parts(scene: &Scene) -> Vec<Part> {
         return Vec::new();
     };
     let (description, plies) = (Description::new(scene), Plies::new(scene, (struck, size[struck])));
-    let on_spring = |stiffness: Vec3| (4.0 * plies.least_rigidity / stiffness[struck]).powf(0.25);
+    let on_spring = |stiffness: Vec3| (4.0 * plies.least_rigidity / stiffness[struck]).powf(0.25).max(plies.thinnest);
     let springs = description.springs.iter().map(|spring| (&spring.region, on_spring(spring.stiffness)));
     let pads = description.pads.iter().map(|pad| (&pad.region, on_spring(pad.foundation.stiffness)));
     let loads = description.tractions.iter().map(|traction| (&traction.region, f64::INFINITY));
@@ -52,6 +52,7 @@ pub fn parts(scene: &Scene) -> Vec<Part> {
         let of_place = |place: &Place| {
             let radius = if let Extent::Ball { radius, .. } = place.extent { radius } else { f64::INFINITY };
             let across = faces(&place.surface).first().map_or(struck, |(across, _)| *across);
+            let length = if across == struck { length } else { f64::INFINITY };
             let shortest = length.min(plies.shear_length).min(radius);
             Part { across, extent: place.extent, bedding_length: length, length: shortest }
         };
@@ -64,6 +65,8 @@ pub fn parts(scene: &Scene) -> Vec<Part> {
 struct Plies {
     /// Bending stiffness of the most flexible ply, N m.
     least_rigidity: f64,
+    /// Thickness of the thinnest ply, m.
+    thinnest: f64,
     /// Shortest length over which two plies begin to act together, m; infinite without interlayers.
     shear_length: f64,
 }
@@ -78,6 +81,7 @@ impl Plies {
         let plies: Vec<usize> = (0..layers.len()).filter(|i| layers[*i].1.young >= SOFT * stiffest).collect();
         let section = |layer: usize| Section::new(layers[layer].0, &layers[layer].1);
         let least_rigidity = plies.iter().map(|ply| section(*ply).rigidity()).fold(f64::INFINITY, f64::min);
+        let thinnest = plies.iter().map(|ply| layers[*ply].0).fold(f64::INFINITY, f64::min);
         let shear_length = plies.windows(2).map(|pair| {
             let [above, below] = [pair[0], pair[1]].map(section);
             // Slip per shear stress, Σ h/G of the interlayers. Plies without an interlayer act together at once.
@@ -88,7 +92,7 @@ impl Plies {
             let slip = stretch(above) + stretch(below) + arm * arm / (above.rigidity() + below.rigidity());
             if compliance > 0.0 { (compliance / slip).sqrt() } else { f64::INFINITY }
         });
-        Self { least_rigidity, shear_length: shear_length.fold(f64::INFINITY, f64::min) }
+        Self { least_rigidity, thinnest, shear_length: shear_length.fold(f64::INFINITY, f64::min) }
     }
 }
 
@@ -206,7 +210,11 @@ pub fn lines(ends: [f64; 2], hit: Line, edges: &[Edges], factor: f64, size: impl
     };
     let mut fixed: Vec<Line> = vec![(ends[0], 1), (ends[1], 1)];
     let mut add = |(at, times): Line, least: f64| {
-        let is_apart = fixed.iter().all(|(other, _)| (at - other).abs() > least * size(at));
+        if let Some((_, known)) = fixed[2..].iter_mut().find(|(other, _)| (at - *other).abs() <= least * size(at)) {
+            *known = times.max(*known);
+            return;
+        }
+        let is_apart = fixed[..2].iter().all(|(other, _)| (at - other).abs() > least * size(at));
         if ends[0] < at && at < ends[1] && is_apart {
             fixed.push((at, times));
         }
@@ -221,4 +229,43 @@ pub fn lines(ends: [f64; 2], hit: Line, edges: &[Edges], factor: f64, size: impl
         lines.extend(std::iter::repeat_n(to, times));
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Parts of a pane of 10 mm with supports.
+    fn of(supports: &str) -> Vec<Part> {
+        let text = format!(
+            "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.4, 0.01]\n\
+             [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n{supports}"
+        );
+        parts(&Scene::parse("test", &text, &[]).expect("a scene").0)
+    }
+
+    /// The bedding length of the text book; at least the thickness, where a plate hardly bends; none on a side.
+    #[test]
+    fn bedding_lengths() {
+        let on = |surface: &str, kind: &str| {
+            format!(
+                "[[support]]\nsurface = \"{surface}\"\nwithin = {{ box = [[-1, -1, -1], [1, -0.15, 1]] }}\n{kind}\n"
+            )
+        };
+        let springs = "kind = \"elastic\"\nstiffness = [0, 0, 1e9]";
+        let rigidity = 70e9 * 0.01_f64.powi(3) / (12.0 * (1.0 - 0.23 * 0.23));
+        let exact = (4.0 * rigidity / 1e9).powf(0.25);
+        let length = |text: String| of(&text).first().map(|part| part.bedding_length);
+        assert!((length(on("bottom", springs)).expect("a part") / exact - 1.0).abs() < 1e-12);
+        assert_eq!(length(on("bottom", "kind = \"clamped\"")), Some(0.01));
+        assert_eq!(length(on("x-min", springs)), Some(f64::INFINITY));
+    }
+
+    /// A line at the hit is repeated if an edge is there, too.
+    #[test]
+    fn an_edge_at_the_hit_is_repeated() {
+        let edges = [Edges { at: [0.2, 0.5], ends: [0.2, 0.5], times: 2, cell: 0.1 }];
+        let lines = lines([0.0, 1.0], (0.2, 1), &edges, 1.0, |_| 0.2);
+        assert_eq!(lines.iter().filter(|line| **line == 0.2).count(), 2, "{lines:?}");
+    }
 }

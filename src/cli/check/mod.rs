@@ -106,8 +106,10 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     let footprint = report.model.as_ref().ok().map(|model| model.dynamics.footprint());
     if let Ok(model) = &report.model {
         report.notes.extend(notes::note_of_measure(model, scene));
+        let estimate = model.error_before_steps();
         let is_elsewhere = scene.hit_near_clamped_edge().is_some();
-        report.notes.extend(notes::of_tension(&model.error_before_steps(), scene, is_elsewhere));
+        let of_largest = if is_elsewhere { f64::NAN } else { estimate.of_tension().stress };
+        report.notes.extend(notes::of_tension(&estimate, scene, of_largest));
         report.notes.extend(notes::of_deflection(&model.error_before_steps(), scene));
         report.warnings.extend(verdict(model, scene).map(|Verdict { message, .. }| message));
         let faces = model.gauges.as_ref().map_or_else(Vec::new, |gauges| gauges.readout.face_names());

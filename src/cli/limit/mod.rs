@@ -100,7 +100,8 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     let status = match (&found.root, &arguments.output) {
         (Some(root), Some(output)) => {
             let (scene, source) = at_with_output(&source, &range, root.at.value)?;
-            let written = Written { output, force: false, has_summary: false };
+            let of_theory = discretisation.as_ref().map(|discretisation| discretisation.of_theory);
+            let written = Written { output, force: false, has_summary: false, of_theory };
             let scene = discretisation.map_or(scene.clone(), |discretisation| discretisation.of(&scene));
             solve(comm, (&scene, &source), Beginning::Anew, &written).map_err(|error| error.in_scene(&source))?
         }

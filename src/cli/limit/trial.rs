@@ -103,7 +103,7 @@ pub(super) struct Discretisation {
     /// Size of the cells relative to the rule of thumb.
     cell_size: f64,
     /// Estimated error of the theory, if it was selected.
-    of_theory: Errors,
+    pub(super) of_theory: Errors,
 }
 
 impl Discretisation {

@@ -141,14 +141,17 @@ pub fn remedy_of_tension(scene: &Scene) -> &'static str {
 }
 
 /// Note on the tension if its estimated error is large, and the tolerance is smaller and applies to another quantity.
-/// If the largest tension has no estimate (`is_elsewhere`), the estimate is for the tension under the impact point.
-pub fn of_tension(estimate: &ErrorEstimate, scene: &Scene, is_elsewhere: bool) -> Option<String> {
-    let error = estimate.of_tension().stress;
+/// `of_largest` is the estimated error of the largest tension; if it is NaN, the estimate is for the tension under the impact
+/// point.
+pub fn of_tension(estimate: &ErrorEstimate, scene: &Scene, of_largest: f64) -> Option<String> {
+    let is_elsewhere = of_largest.is_nan();
+    let error = if is_elsewhere { estimate.of_tension().stress } else { of_largest };
     let does_not_apply = scene.measure != Measure::Stress;
     (does_not_apply && error > LARGE_ERROR_OF_TENSION.max(scene.tolerance)).then(|| {
-        let which = if is_elsewhere { "tension under the impact point" } else { "largest tension" };
+        let which =
+            if is_elsewhere { "tension under the impact point in the first contact" } else { "largest tension" };
         format!(
-            "the estimated error of the {which} in the first contact is {} of its peak. accuracy.tolerance does not apply to tensions; \
+            "the estimated error of the {which} is {} of its peak. accuracy.tolerance does not apply to tensions; \
              {} may lower this error",
             estimated(error),
             remedy_of_tension(scene)
@@ -193,7 +196,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
             remedies_of_measure()
         ));
     }
-    missed.extend(of_tension(estimate, scene, is_for_another_place));
+    missed.extend(of_tension(estimate, scene, largest.error_estimate));
     missed.extend(of_deflection(estimate, scene));
     // The verdict has named an error that hardly grows after the first contact.
     let grows = errors.history > GROWTH * errors.first_contact;
@@ -349,12 +352,12 @@ mod tests {
             ErrorEstimate::default().with(Cause::Cells, errors)
         };
         let noted = |stress: f64, measure: Measure, tolerance: f64| {
-            of_tension(&estimate(stress), &Scene { measure, tolerance, ..pane("") }, false)
+            of_tension(&estimate(stress), &Scene { measure, tolerance, ..pane("") }, stress)
         };
         let text = noted(0.2, Measure::Acceleration, 1e-2).expect("a note");
         assert!(text.contains("2.0e-1") && text.contains("accuracy.quantity"), "{text}");
         assert!(noted(0.2, Measure::Deflection, 1e-2).is_some());
-        let text = of_tension(&estimate(0.2), &pane("[body]\nreduction = 20\n"), true).expect("a note");
+        let text = of_tension(&estimate(0.2), &pane("[body]\nreduction = 20\n"), f64::NAN).expect("a note");
         assert!(text.contains("under the impact point") && text.contains("body.reduction"), "{text}");
         assert_eq!(noted(0.2, Measure::Stress, 1e-2), None);
         assert_eq!(noted(0.2, Measure::Acceleration, 0.3), None);

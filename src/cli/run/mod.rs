@@ -82,7 +82,7 @@ pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
         Start::Anew => Beginning::Anew,
         Start::GoOn => Beginning::Checkpoint { result: from, moment },
     };
-    let written = Written { output: &output, force: arguments.force, has_summary: true };
+    let written = Written { output: &output, force: arguments.force, has_summary: true, of_theory: None };
     let solved = solve(comm, (&scene, &source), beginning, &written);
     drop(lock);
     solved.map_err(|error| error.in_scene(&source))

@@ -10,6 +10,7 @@ use petsc_wrap::Comm;
 
 use crate::agree::{agree, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
+use crate::impact::{Cause, Errors};
 use crate::model::watch::{Stage, Watch as _};
 use crate::model::{self, Linearity, Model, Simulation};
 use crate::record::provenance::{Cost, Provenance};
@@ -51,6 +52,8 @@ pub(in crate::cli) struct Written<'a> {
     pub force: bool,
     /// Whether the summary is printed.
     pub has_summary: bool,
+    /// Estimated errors of the theory that the scene names, if it was selected before.
+    pub of_theory: Option<Errors>,
 }
 
 /// Computes a run, or the missing part of it, and writes it; returns the exit status. Collective.
@@ -61,7 +64,7 @@ pub(in crate::cli) fn solve(
     comm: &Comm,
     (scene, source): (&Scene, &Source),
     beginning: Beginning<'_>,
-    &Written { output, force, has_summary }: &Written<'_>,
+    &Written { output, force, has_summary, of_theory }: &Written<'_>,
 ) -> Result<i32> {
     if !scene.time.modal {
         // Counted as the start of the program, not as part of the run. In modal coordinates most bodies need no PETSc.
@@ -77,7 +80,10 @@ pub(in crate::cli) fn solve(
     }
     let interrupt = Rc::new(Interrupt::on_signals());
     let follower = Follower::new(comm, interrupt.clone());
-    let model = Model::watched(comm, scene, &follower)?;
+    let mut model = Model::watched(comm, scene, &follower)?;
+    if let Some(of_theory) = of_theory {
+        model.error = model.error.with(Cause::Theory, of_theory);
+    }
     let modelled = begin.elapsed().as_secs_f64();
     let announcement = Announcement::new(&model, scene, force)?;
     let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());

@@ -15,7 +15,7 @@ fn tensor() -> Tensor<3> {
 fn points(place: [Along; 3]) -> Vec<([f64; 3], f64)> {
     let axes = [0, 1, 2].map(|axis| match place[axis] {
         Along::At(x) => vec![(x, 1.0)],
-        Along::All | Along::Within(_) | Along::Projected(_) => BREAKS[axis]
+        Along::All | Along::Within(_) | Along::Projected => BREAKS[axis]
             .windows(2)
             .map(|cell| match place[axis] {
                 Along::Within([start, end]) => [cell[0].max(start), cell[1].min(end)],

@@ -72,10 +72,10 @@ impl HitTension {
     }
 }
 
-/// Largest stresses at watched places ([`Evaluator::watched_stresses`](crate::space::evaluate::Evaluator::watched_stresses))
-/// over the times of a run.
+/// Largest stresses opposite the impact point and at watched places
+/// ([`Evaluator::watched_stresses`](crate::space::evaluate::Evaluator::watched_stresses)) over the times of a run.
 pub struct WatchedStresses {
-    /// Three rows for each place; one column for each of the values of a step.
+    /// Three rows for each place, of which the first is opposite the impact point; one column for each of the values of a step.
     rows: DMatrix<f64>,
     has_damped_modes: bool,
     /// Values of the steps that are not read yet, and whether each is in the first contact.
@@ -87,18 +87,21 @@ pub struct WatchedStresses {
 }
 
 impl WatchedStresses {
-    /// Stresses of a body with these modes in a run up to `end` (s); `None` if it has no watched places.
-    pub fn new(modes: &Modes, end: f64) -> Option<Self> {
-        let (shapes, _) = modes.hit_stress.as_ref().filter(|(shapes, _)| shapes.moving.nrows() > 3)?;
-        let (count, watched) = (modes.forms.frequencies.len(), shapes.moving.nrows() - 3);
-        let moving = shapes.moving.rows(3, watched);
+    /// Stresses of a body with these modes in a run up to `end` (s); `None` if it has no watched places. `multiplicity` is the
+    /// number of equal parts of the whole body.
+    pub fn new(modes: &Modes, multiplicity: f64, end: f64) -> Option<Self> {
+        let (shapes, local) = modes.hit_stress.as_ref().filter(|(shapes, _)| shapes.moving.nrows() > 3)?;
+        let (count, watched) = (modes.forms.frequencies.len(), shapes.moving.nrows());
+        let moving = &shapes.moving;
+        let mut of_force = shapes.residual.clone();
+        (0..3).for_each(|i| of_force[i] += multiplicity * local[i]);
         let mut blocks = match &modes.forms.damped {
             Some([places, _]) => {
-                let stresses = places.times_from_left(&moving.into_owned());
+                let stresses = places.times_from_left(moving);
                 vec![stresses.map(|z| z.re), stresses.map(|z| -z.im)]
             }
             None => {
-                let mut of_places = moving.into_owned();
+                let mut of_places = moving.clone();
                 for (mut column, frequency) in of_places.column_iter_mut().zip(&modes.forms.frequencies) {
                     column /= *frequency;
                 }
@@ -108,8 +111,8 @@ impl WatchedStresses {
         let has_damped_modes = blocks.len() > 1;
         let [way, of_load] = &shapes.free;
         blocks.extend(
-            [way, of_load, &shapes.residual, &shapes.rest]
-                .map(|column| DMatrix::from_column_slice(watched, 1, &column.as_slice()[3..])),
+            [way, of_load, &of_force, &shapes.rest]
+                .map(|column| DMatrix::from_column_slice(watched, 1, column.as_slice())),
         );
         let columns = blocks.iter().map(DMatrix::ncols).sum();
         let mut rows = DMatrix::zeros(watched, columns);
@@ -122,10 +125,10 @@ impl WatchedStresses {
         Some(Self { rows, has_damped_modes, values, is_first, interval: end / READINGS, last: f64::NEG_INFINITY })
     }
 
-    /// Reads a step, if one is due: each one in the first contact, fewer later.
+    /// Reads a step, if one is due: each one in a contact, fewer otherwise.
     pub fn read(&mut self, motion: &Motion, trace: &mut Trace) {
         let (state, is_first) = (&motion.state, motion.state.time <= trace.first_end());
-        if !is_first && state.time < self.last + self.interval {
+        if !is_first && motion.force == 0.0 && state.time < self.last + self.interval {
             return;
         }
         self.last = state.time;
@@ -147,12 +150,13 @@ impl WatchedStresses {
         let values = DMatrix::from_column_slice(self.rows.ncols(), self.is_first.len(), &self.values);
         let stresses = &self.rows * values;
         for (stresses, is_first) in stresses.column_iter().zip(&self.is_first) {
-            // The stresses on the other face of a plate that bends are opposite.
-            let largest = |stress: &[f64]| {
+            // The stresses on the other face of a plate that bends are opposite. The face that is hit is not watched at the hit.
+            let largest = |(place, stress): (usize, &[f64])| {
                 let [a, b, ab] = [stress[0], stress[1], stress[2]];
-                largest_in_plane([a, b, ab]).max(largest_in_plane([-a, -b, -ab]))
+                let opposite = if place == 0 { f64::NEG_INFINITY } else { largest_in_plane([-a, -b, -ab]) };
+                largest_in_plane([a, b, ab]).max(opposite)
             };
-            trace.push_watched(stresses.as_slice().chunks_exact(3).map(largest), *is_first);
+            trace.push_watched(stresses.as_slice().chunks_exact(3).enumerate().map(largest), *is_first);
         }
         self.values.clear();
         self.is_first.clear();

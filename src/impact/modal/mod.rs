@@ -277,7 +277,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
             surface + modes.residual * motion.force + motion.state.settled * modes.rest
         };
         done.trace.push_deflection(0.0, deflection(&motion), 0.0);
-        let mut watched = WatchedStresses::new(&modes, self.end);
+        let mut watched = WatchedStresses::new(&modes, parameters.multiplicity, self.end);
         if let Some(watched) = &mut watched {
             watched.read(&motion, &mut done.trace);
         }

@@ -41,7 +41,8 @@ pub struct Trace {
     steps: Vec<(f64, f64, [f64; 3])>,
     /// Time (s) and tension on the face opposite the impact point (Pa), if it is read.
     tension: Vec<(f64, f64)>,
-    /// Largest stress at each watched place, Pa: in the first contact, and in the whole run. Empty if they are not read.
+    /// Largest stress opposite the impact point and at each watched place, Pa: in the first contact, and in the whole run. Empty if
+    /// they are not read.
     watched: [Vec<f64>; 2],
     /// Time (s) and displacement of the surface under the impactor (m) at the ends of the steps, if it is read.
     deflection: Vec<(f64, f64)>,
@@ -73,7 +74,7 @@ impl Trace {
         self.tension.push((time, tension));
     }
 
-    /// Adds the stresses at watched places at a time (Pa).
+    /// Adds the stresses opposite the impact point and at watched places at a time (Pa).
     pub fn push_watched(&mut self, stresses: impl Iterator<Item = f64> + Clone, is_in_first_contact: bool) {
         for largest in &mut self.watched[if is_in_first_contact { 0 } else { 1 }..] {
             if largest.is_empty() {
@@ -141,9 +142,10 @@ impl Trace {
     fn parts_of_largest_stress(&self) -> [PartsOfLargest; 2] {
         let end = self.first_end();
         let first = self.tension.iter().filter(|(time, _)| *time <= end);
-        let at_hit = first.map(|(_, tension)| *tension).fold(0.0, f64::max);
+        let in_first = first.map(|(_, tension)| *tension).fold(0.0, f64::max);
         self.watched.each_ref().map(|watched| {
-            let elsewhere = watched.iter().copied().fold(0.0, f64::max);
+            let at_hit = watched.first().copied().unwrap_or_default().max(in_first);
+            let elsewhere = watched.iter().skip(1).copied().fold(0.0, f64::max);
             let most = at_hit.max(elsewhere);
             if most > 0.0 {
                 PartsOfLargest { hit: at_hit / most, elsewhere: elsewhere / most }
@@ -347,6 +349,27 @@ mod tests {
         assert!(one.difference(&sampled(1.5, 1.0)).deflection.is_nan());
         // Nor are deflections that are rounding errors of the distance.
         assert!(sampled(0.1, 1e-12).difference(&other).deflection.is_nan());
+    }
+
+    /// A second contact has the largest stress opposite the impact point. Its error is that of the whole run, and not that of
+    /// the first contact.
+    #[test]
+    fn a_later_stress_at_the_hit_has_its_own_error() {
+        let hit_again = |later: f64| {
+            let mut trace = Trace::default();
+            trace.push(0.0, 1.0, [0.0, 1.0, 0.0]);
+            for (time, at_hit) in [(0.5, 1.0), (1.0, 0.0)] {
+                trace.push_tension(time, at_hit);
+                trace.push_watched([at_hit, 0.2].into_iter(), true);
+            }
+            trace.push_watched([later, 0.1].into_iter(), false);
+            trace
+        };
+        let (one, other) = (hit_again(2.0), hit_again(2.1));
+        let Errors { stress, stress_history, .. } = one.difference(&other);
+        assert!(stress == 0.0 && (stress_history - 0.05).abs() < 1e-15, "{stress} {stress_history}");
+        let Errors { stress, stress_history, .. } = one.errors_of_largest_stress(0.1, 0.0);
+        assert_eq!((stress, stress_history), (0.1, 0.1));
     }
 
     /// A cursor gives the same values as a search in the whole trace, for times in any order.

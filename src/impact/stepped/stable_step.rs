@@ -22,8 +22,8 @@ pub fn stable_step(body: &mut Body, parameters: &ImpactParameters, scheme: Schem
     if critical == 0.0 || critical.is_infinite() {
         return Ok(critical);
     }
-    let ImpactParameters { law, mass, speed, .. } = parameters;
-    let peak = law.force_law.peak_indentation(*mass, *speed);
+    let ImpactParameters { law, mass, contact_speed, .. } = parameters;
+    let peak = law.force_law.peak_indentation(*mass, *contact_speed);
     let lumped = body.lumped.take();
     let inertia = || lumped.as_ref().map_or(Inertia::Consistent, |lumped| Inertia::Lumped(&lumped.mass));
     let mut tangent = law.steepest(peak);
@@ -31,7 +31,7 @@ pub fn stable_step(body: &mut Body, parameters: &ImpactParameters, scheme: Schem
     if let (Ok(found), true) = (&largest, law.damping > 0.0) {
         // The damper's velocity is extrapolated. With the damper's constant c the stability limit is
         // (ω Δt)²/4 + c Δt/m = 1, the same as for an additional spring of stiffness 2 c ω.
-        let damper = law.damped(peak, *speed).viscosity;
+        let damper = law.damped(peak, *contact_speed).viscosity;
         tangent += 2.0 * damper * found.bound;
         largest = largest_frequency(body, inertia(), Some(LinearContact { tangent, mass: *mass }));
     }

@@ -72,6 +72,10 @@ fn why_hit_without_estimate(scene: &Scene) -> Option<String> {
 /// Radius of the contact (m) at the peak of an impact on a body that does not deflect, and the distance of the impact
 /// point from the nearest edge (m), if the edge cuts the contact.
 pub fn contact_beyond_edge(scene: &Scene) -> Option<[f64; 2]> {
+    if scene.contact.area().is_some() {
+        // A given area is within the face.
+        return None;
+    }
     let Impactor { radius: curvature, .. } = scene.impactor;
     let layered = scene.impactor.layered_contact().cloned();
     let radius = ContactSize { curvature, given: 0.0, layered }.at_peak(&scene.impactor);

@@ -11,6 +11,7 @@ use crate::scene::{Geometry, Impactor, Scene};
 use super::Settings;
 use super::geometry::PlateGeometry;
 use crate::space::grading::{Side, Sizes};
+use crate::space::grid::count_cells;
 use crate::space::parts::{self, Part};
 use crate::stack::interlayers;
 
@@ -65,7 +66,8 @@ pub(super) fn lines(
         if !edges.is_empty() {
             let size = |x: f64| sizes.at(x - hit);
             let lines = parts::lines([low, high], (hit, 1), &edges, settings.part_cell_factor, size);
-            return if lines.len() as f64 <= MAX_CELLS { Ok(lines) } else { Err(lines.len() as f64) };
+            let cells = count_cells(&lines) as f64;
+            return if cells <= MAX_CELLS { Ok(lines) } else { Err(cells) };
         }
         let sides = [hit - low, high - hit].map(|length| Side { length, sizes });
         let cells = sides.iter().map(Side::cells).sum::<f64>();

@@ -4,7 +4,7 @@ use crate::description::Part as BodyPart;
 use crate::element::gauss_legendre;
 use crate::form::elastic::displacement;
 use crate::form::stress::place;
-use crate::form::tensor::{Along, Linear, Part, Tensor};
+use crate::form::tensor::{Linear, Part, Tensor};
 use crate::form::{Material, Projection, Spread};
 use crate::scene::Vec3;
 use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
@@ -46,11 +46,7 @@ impl ProjectedVolume {
     /// Pressure of a part; `None` if all of λ acts on the change of volume itself.
     fn new(tensor: &Tensor<3>, part: &BodyPart) -> Option<Self> {
         let lambda = projected(part);
-        let ends = place_of(part).map(|along| match along {
-            Along::Within(ends) => ends,
-            _ => [f64::NEG_INFINITY, f64::INFINITY],
-        });
-        let of_axis = |axis: usize| Projection::new(&tensor.splines(0)[axis], ends[axis]);
+        let of_axis = |axis: usize| Projection::new(&tensor.splines(0)[axis]);
         (lambda > 0.0).then(|| {
             let projections = [0, 1, 2].map(of_axis);
             let functions = [0, 1, 2]

@@ -16,6 +16,7 @@ use crate::impact::{self, Cause, ErrorRule, Errors, ModalImpact, Reading, Readou
 use crate::model::watch::{Until, Watch};
 use crate::model::{
     BASIS_SHARE, Dynamics, JudgeBasis, LARGE_ERROR_OF_DEFLECTION, Linearity, Model, edges, largest_linear,
+    thickness_compression,
 };
 use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
@@ -27,6 +28,10 @@ const MAX_BODIES: usize = 64;
 
 /// Factor by which a member may exceed the share of the tolerance for the basis before another basis is made for it.
 const SLACK: f64 = 2.0;
+
+/// Largest compression of the thickness of a plate by a support, over its effect and the tolerance, with which members that
+/// differ in the support's stiffness share a merged basis: half of it is in series with the support.
+const LARGEST_COMPRESSION: f64 = 0.2;
 
 /// Bodies and bases that the members of a sweep share.
 pub struct Bodies<'a> {
@@ -182,7 +187,13 @@ impl<'a> Bodies<'a> {
             };
             let named = self.named(scene.clone());
             let lacks_rotations = has_automatic_basis(&named) && named.basis_may_lack_rotations();
-            let mut made = family(lacks_rotations)?;
+            // Merged bases mix the stiffness matrices of two values. On a plate, whose thickness is in series with a support, these are
+            // not linear in its stiffness.
+            let hardest = self.scene_on(&all, values[values.len() - 1])?;
+            let varied = self.grouping.varied_stiffness().filter(|_| named.body.model != scene::Model::Solid);
+            let compression = varied.map_or(0.0, |support| thickness_compression(&hardest, &hardest.supports[support]));
+            let is_linear = compression <= LARGEST_COMPRESSION * hardest.tolerance;
+            let mut made = if is_linear { family(lacks_rotations)? } else { None };
             let is_poor = !lacks_rotations && made.as_ref().is_some_and(|made| made.needs_low_shift(&named));
             if watch.decided(is_poor) {
                 made = family(true)?.or(made);
@@ -331,7 +342,9 @@ impl Kept {
             (None, None) => Errors::default(),
         };
         let of_patch = Errors::throughout(self.body.footprint.patch().and_then(|patch| patch.error()).unwrap_or(0.0));
-        let of_law = Errors::throughout(scene.impactor.error_of_law());
+        // Hertz's law is exact on a half-space.
+        let is_exact = self.theory == scene::Model::HalfSpace;
+        let of_law = Errors::throughout(if is_exact { 0.0 } else { scene.impactor.error_of_law() });
         let all = of_basis.joined(self.of_model).joined(of_patch).joined(of_law);
         let (error_estimate, first_error) = (joined(impact.count.error.unwrap_or(0.0), all.history), all.first_contact);
         // Given steps have no error estimate, and their error counts as 0. Adaptive steps without an estimate of the

@@ -21,6 +21,7 @@ pub struct BodyOf {
     load: Load,
     initial: Initial,
     measure: Measure,
+    cell_factor: f64,
     stress: bool,
     /// Radius of the disc under layers with their own contact law, m.
     disc_of_law: Option<f64>,
@@ -84,7 +85,8 @@ impl BodyOf {
     }
 
     fn relaxing_anyhow(scene: &Scene) -> Self {
-        let Scene { mut body, supports, impactor, contact, load, time, output, measure, .. } = scene.clone();
+        let Scene { mut body, supports, impactor, contact, load, time, output, measure, cell_factor, .. } =
+            scene.clone();
         let disc_of_law = impactor.layered_contact().map(|layered| layered.disc);
         let Impactor { point, direction, .. } = impactor;
         let (mut bulk, mut chains, mut alike) = (Vec::new(), Vec::new(), Vec::new());
@@ -108,6 +110,7 @@ impl BodyOf {
             load,
             initial,
             measure,
+            cell_factor,
             stress,
             disc_of_law,
             bulk,
@@ -197,6 +200,11 @@ mod tests {
 
     /// A laminated pane as a solid, with a Prony series of its interlayer. Its members share a basis for any moduli.
     fn pane(prony: &str) -> BodyOf {
+        varied(prony, "")
+    }
+
+    /// The pane with further text.
+    fn varied(prony: &str, rest: &str) -> BodyOf {
         let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
         let text = format!(
             "[body]\nsize = [0.3, 0.3]\nmodel = \"solid\"\n{glass}\
@@ -204,7 +212,7 @@ mod tests {
              [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
              [material.interlayer]\nbulk = 2e9\ndensity = 1100.0\nshear = 3e6\nprony = [{prony}]\n\
              [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
-             [time]\nend = 6e-4\n[output]\nstress = false\n"
+             [time]\nend = 6e-4\n[output]\nstress = false\n{rest}"
         );
         BodyOf::new(&Scene::parse("test", &text, &[]).expect("a scene").0)
     }
@@ -218,5 +226,14 @@ mod tests {
         let much = pane("{ modulus = 1e9, time = 1e-4 }");
         assert!(much.rates.len() > 1, "{:?}", much.rates);
         assert_ne!(little, much);
+    }
+
+    /// Cells of another size are another body.
+    #[test]
+    fn other_cells_are_another_body() {
+        let of =
+            |factor: f64| varied("{ modulus = 1e6, time = 1e-4 }", &format!("[accuracy]\ncell_factor = {factor}\n"));
+        assert_eq!(of(1.0), of(1.0));
+        assert_ne!(of(1.0), of(0.5));
     }
 }

@@ -118,6 +118,11 @@ impl Grouping {
         Some(Line { body, value: values[index], count })
     }
 
+    /// Index of the support whose stiffness differs between the bodies of a line.
+    pub fn varied_stiffness(&self) -> Option<usize> {
+        if let Some((Property::Stiffness(support), _)) = self.line { Some(support) } else { None }
+    }
+
     /// Whether the bodies of a line differ in their relaxation.
     pub fn is_of_relaxations(&self) -> bool {
         matches!(self.line, Some((Property::Relaxation, _)))
