@@ -100,8 +100,8 @@ fn strength(data: &Data) -> Option<Verdict> {
         };
         verdict(Grade::Open, "Strength undecided", format!("{what}. The error of the tension is not estimated{why}."))
     } else {
-        let text = format!("{what}, which is nearer to it than the estimated error of {}.", percent(error));
-        verdict(Grade::Open, "Strength not exceeded, but within the error", text)
+        let text = format!("{what}. The estimated error of the tension, {}, is larger than the rest.", percent(error));
+        verdict(Grade::Open, "Strength undecided", text)
     })
 }
 

@@ -410,7 +410,7 @@ fn a_tension_after_the_first_contact_has_an_estimate() {
     for (settings, told) in [
         ("", None),
         (" --set time.end=1e-3", None),
-        (" --set time.end=1e-3 --set impactor.gap=0.1", Some("without a contact, with which errors are estimated")),
+        (" --set time.end=1e-3 --set impactor.gap=0.1", Some("there was no contact")),
     ] {
         let said = good(&folder, 0, &format!("run scene.toml -o out.h5 --force{settings}")).stdout;
         assert!(told.is_none_or(|told| said.contains(told)), "{said}");

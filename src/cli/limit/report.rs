@@ -66,7 +66,7 @@ struct LimitFacts<'a> {
     is_converged: bool,
     /// On which side of the limit the strength is not exceeded: "below" or "above".
     safe_side: &'static str,
-    /// Nearest computed value above the limit that contradicts this, because the strength is exceeded in both directions.
+    /// Nearest computed value above the limit that contradicts this, because there is another limit.
     crossed_again_at: Option<f64>,
 }
 
@@ -202,8 +202,8 @@ impl<'a> Report<'a> {
             limit.safe_side,
             match (limit.crossed_again_at, limit.safe_side) {
                 (None, _) => String::new(),
-                (Some(value), "below") => format!(", and again not at {}", self.shown(value)),
-                (Some(value), _) => format!(", but again at {}", self.shown(value)),
+                (Some(value), "below") => format!(", nor at {}", self.shown(value)),
+                (Some(value), _) => format!(", but it is exceeded at {}", self.shown(value)),
             }
         ));
         let [x, y, z] = limit.point.map(coordinate);
@@ -251,7 +251,7 @@ impl<'a> Report<'a> {
         }
         if let Some(value) = self.limit.as_ref().and_then(|limit| limit.crossed_again_at) {
             remarks.push(format!(
-                "warning: the strength is exceeded in both directions: between the limit and {} = {} there is another limit; \
+                "warning: between the limit and {} = {} there is another limit; \
                  search smaller ranges",
                 self.key,
                 self.shown(value)

@@ -87,7 +87,7 @@ pub fn note_of_measure(model: &Model, scene: &Scene) -> Option<String> {
         Measure::Acceleration => return None,
         Measure::Stress => (
             "stresses",
-            "plates and splines in modal coordinates, hit at least half a thickness of the impacted layer from an edge, have an estimate",
+            "plates and splines in modal coordinates, hit at least 0.45 thicknesses of the impacted layer from an edge, have an estimate",
         ),
         Measure::Deflection => (
             "the deflection",

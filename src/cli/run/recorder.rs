@@ -119,8 +119,8 @@ impl Recorder {
         let named = |(name, error): (&str, f64)| format!("{name} ({})", estimated(error));
         let listed = printed.useless().into_iter().map(named).reduce(|all, next| all + ", " + &next)?;
         Some(format!(
-            "numbers of this run are of no use, by their estimated errors over the peak: {listed}; the result has the other numbers. \
-             --force accepts them"
+            "these numbers are of no use, as their estimated errors are above half of the peak: {listed}. The result is complete; \
+             --force accepts it"
         ))
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn why_without_estimate(scene: &Scene, point: Vec3, error: f64, has_c
         return Some("it is at a clamped edge, where the tension of a solid grows as cells get smaller".to_owned());
     }
     if !has_contact {
-        return Some("it is without a contact, with which errors are estimated".to_owned());
+        return Some("there was no contact, and errors of tensions are estimated only for runs with one".to_owned());
     }
     why_hit_without_estimate(scene).or_else(|| error.is_nan().then(|| why_body_without_estimate(scene)))
 }
@@ -103,7 +103,7 @@ fn why_body_without_estimate(scene: &Scene) -> String {
     } else if *is_given {
         "the error of the stresses of a mesh is not estimated".to_owned()
     } else {
-        "only plates and spline solids in modal coordinates have one, in a sweep with a basis of their own".to_owned()
+        "only plates and spline solids in modal coordinates have an estimate, in a sweep only members that share their basis with no other support or temperature".to_owned()
     }
 }
 
