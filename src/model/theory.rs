@@ -120,7 +120,7 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
 /// # Errors
 /// A fault of `body.model` if the theory does not admit the scene; the errors of meshes; or if a PETSc call fails.
 pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn Watch) -> Result<Built> {
-    let spline_settings = spline_settings(scene, size);
+    let spline_settings = spline::Settings::of(scene, size);
     let is_of_splines = matches!(theory, Model::Auto | Model::Solid) && is_of_splines(scene);
     let seconds = match theory {
         _ if is_of_splines => SPLINE_SECONDS * spline::unknowns(scene, &spline_settings).unwrap_or_default(),
@@ -222,7 +222,8 @@ fn thickness(scene: &Scene) -> std::result::Result<f64, String> {
 fn is_of_splines(scene: &Scene) -> bool {
     scene.is_reduced()
         && matches!(scene.body.geometry, Geometry::Box { is_given: false, .. })
-        && spline::admits(scene).is_ok()
+        // With a factor on cells, another discretisation would not serve for a study of convergence.
+        && spline::admits(&Scene { cell_factor: 1.0, ..scene.clone() }).is_ok()
 }
 
 fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Result<Built> {
@@ -232,13 +233,6 @@ fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Resul
     let discretisation = format!("{x} × {y} cells of splines");
     let operators = of_grid(comm, scene, (system, points), [x, y, 1], discretisation)?;
     Ok(Built::Operators(Operators { cell_over_disc, ..operators }))
-}
-
-fn spline_settings(scene: &Scene, size: f64) -> spline::Settings {
-    let mut settings = spline::Settings::new(scene.tolerance);
-    settings.cell_size_factor *= size * scene.cell_factor;
-    settings.part_cell_factor *= size * scene.cell_factor;
-    settings
 }
 
 fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate::Settings> {
@@ -286,7 +280,7 @@ pub(super) fn cells_of_grid(scene: &Scene, theory: Model, size: f64) -> Option<[
         Model::Kirchhoff => PlateTheory::Kirchhoff,
         Model::Mindlin => PlateTheory::Mindlin,
         Model::Layerwise => layerwise(scene),
-        Model::Solid if is_of_splines(scene) => return spline::cells(scene, &spline_settings(scene, size)),
+        Model::Solid if is_of_splines(scene) => return spline::cells(scene, &spline::Settings::of(scene, size)),
         Model::Auto | Model::Solid | Model::HalfSpace | Model::InfinitePlate => return None,
     };
     let [x, y] = Plate::cells(scene, theory, &plate_settings(scene, theory, size).ok()?).ok()?;

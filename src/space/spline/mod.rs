@@ -51,6 +51,13 @@ impl Settings {
         let factor = rung_below((tolerance / 1e-2).powf(0.22));
         Self { cell_size_factor: (OF_DEFAULT_TOLERANCE * factor).clamp(0.3, 2.0), part_cell_factor: factor.min(1.0) }
     }
+
+    /// Settings for a scene's tolerance and factor on cells, with cells of a `size` relative to that.
+    pub fn of(scene: &Scene, size: f64) -> Self {
+        let Self { cell_size_factor, part_cell_factor } = Self::new(scene.tolerance);
+        let factor = size * scene.cell_factor;
+        Self { cell_size_factor: factor * cell_size_factor, part_cell_factor: factor * part_cell_factor }
+    }
 }
 
 /// A box's linear system and the data from which it was made.
@@ -72,7 +79,7 @@ pub struct SplineSolid {
 pub fn admits(scene: &Scene) -> std::result::Result<(), String> {
     let geometry = BoxGeometry::new(scene)?;
     match PatchModel::new(&geometry, scene) {
-        Ok(patch) => cells::lines(&geometry, scene, &patch, &Settings::new(scene.tolerance)).map(|_| ()),
+        Ok(patch) => cells::lines(&geometry, scene, &patch, &Settings::of(scene, 1.0)).map(|_| ()),
         // A fault of the patch applies to any mesh too, so it is no reason against splines.
         Err(_) => Ok(()),
     }
