@@ -52,7 +52,7 @@ const RULED_OUT_FACTOR: f64 = 1.5;
 const LEAST_SLENDERNESS: f64 = 4.0;
 
 /// Error of the compression of the thickness by a support, over its relative effect. A plate has this compression in series
-/// with the support ([`Description::on_plate`]), with half of the thickness for each face.
+/// with the support ([`on_plate`](crate::description::Description::on_plate)), with half of the thickness for each face.
 const COMPRESSION_ERROR: f64 = 0.5;
 
 /// Error of the stress at a bedded part of a face, over the square of the thickness of a ply divided by its bedding length.

@@ -34,7 +34,7 @@ pub struct Impactor {
     /// Acceleration towards the surface before the contact, m/s²: `gravity`, less the acceleration of a free body by its
     /// loads.
     pub closing: f64,
-    /// Mass (kg) that determines how long contacts last: `mass`, but at most [`HEAVIEST`] times the mass of the body. A light
+    /// Mass (kg) that determines how long contacts last: `mass`, but at most a hundred times the mass of the body. A light
     /// body that is free, or held softly, leaves a heavier impactor within the same time.
     pub timing_mass: f64,
 }
