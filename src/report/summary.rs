@@ -100,7 +100,10 @@ fn strength(data: &Data) -> Option<Verdict> {
         };
         verdict(Grade::Open, "Strength undecided", format!("{what}. The error of the tension is not estimated{why}."))
     } else {
-        let text = format!("{what}. The estimated error of the tension, {}, is larger than the rest.", percent(error));
+        let text = format!(
+            "{what}. The estimated error of the tension, {}, is larger than the margin to the strength.",
+            percent(error)
+        );
         verdict(Grade::Open, "Strength undecided", text)
     })
 }

@@ -110,7 +110,7 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
         let is_elsewhere = scene.hit_near_clamped_edge().is_some();
         let of_largest = if is_elsewhere { f64::NAN } else { estimate.of_tension().stress };
         report.notes.extend(notes::of_tension(&estimate, scene, of_largest));
-        report.notes.extend(notes::of_deflection(&model.error_before_steps(), scene));
+        report.notes.extend(notes::of_deflection(&estimate, scene));
         report.warnings.extend(verdict(model, scene).map(|Verdict { message, .. }| message));
         let faces = model.gauges.as_ref().map_or_else(Vec::new, |gauges| gauges.readout.face_names());
         report.warnings.extend(notes::missing_faces(scene, &faces).map(|remark| remark.text));
