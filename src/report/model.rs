@@ -1,9 +1,9 @@
 //! Section of a report with the model, the reason for its selection, its estimated errors and its assumptions.
 
-use crate::model::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION};
+use crate::model::LARGE_ERROR_OF_DEFLECTION;
 use crate::record::provenance::ModelDetails;
 use crate::record::stress::Stresses;
-use crate::scene::{Measure, Model, Reduction, Scene};
+use crate::scene::{Model, Scene};
 
 use super::data::Data;
 use super::number::percent;
@@ -131,7 +131,7 @@ pub fn deflection_error(data: &Data) -> Option<Estimate> {
     let error = data.cost.deflection_error_estimate;
     let mut of = "of its largest value, over the whole history".to_owned();
     if error > LARGE_ERROR_OF_DEFLECTION {
-        of += "; accuracy.quantity = \"deflection\" may lower it. Deflections elsewhere may have errors as large";
+        of += ". Deflections elsewhere may have errors as large";
     }
     (!error.is_nan()).then(|| Estimate { value: percent(error), of })
 }
@@ -144,13 +144,6 @@ pub fn stress_error(data: &Data, stresses: &Stresses) -> Estimate {
         let of = if why.is_empty() { String::new() } else { format!("({why})") };
         Estimate { value: "not estimated".to_owned(), of }
     } else {
-        let may_help = |scene: &Scene| {
-            scene.measure != Measure::Stress && scene.body.reduction == Reduction::Auto && error > scene.tolerance
-        };
-        let remedy = match error > LARGE_ERROR_OF_TENSION && data.scene.as_ref().is_ok_and(may_help) {
-            true => "; accuracy.quantity = \"stress\" may lower it",
-            false => "",
-        };
-        Estimate { value: percent(error), of: format!("of the peak, in the first contact{remedy}") }
+        Estimate { value: percent(error), of: "of the peak, in the first contact".to_owned() }
     }
 }

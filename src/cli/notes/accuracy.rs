@@ -150,11 +150,16 @@ pub fn of_tension(estimate: &ErrorEstimate, scene: &Scene, of_largest: f64) -> O
     (does_not_apply && error > LARGE_ERROR_OF_TENSION.max(scene.tolerance)).then(|| {
         let which =
             if is_elsewhere { "tension under the impact point in the first contact" } else { "largest tension" };
+        // Finer cells and larger bases do not help against the other causes.
+        let causes = estimate.causes_to_mend(Measure::Stress, scene.tolerance);
+        let help = if causes.iter().any(|cause| matches!(cause, Cause::Cells | Cause::Basis)) {
+            format!("; {} may lower this error", remedy_of_tension(scene))
+        } else {
+            format!(" (estimated for {})", listed(&estimate.causes(Measure::Stress)))
+        };
         format!(
-            "the estimated error of the {which} is {} of its peak. accuracy.tolerance does not apply to tensions; \
-             {} may lower this error",
-            estimated(error),
-            remedy_of_tension(scene)
+            "the estimated error of the {which} is {} of its peak. accuracy.tolerance does not apply to tensions{help}",
+            estimated(error)
         )
     })
 }
@@ -356,6 +361,11 @@ mod tests {
         };
         let text = noted(0.2, Measure::Acceleration, 1e-2).expect("a note");
         assert!(text.contains("2.0e-1") && text.contains("accuracy.quantity"), "{text}");
+        // No setting lowers the error of a static local field.
+        let fixed = Errors { stress: 0.2, ..Errors::default() };
+        let fixed = ErrorEstimate::default().with(Cause::LocalField, fixed);
+        let text = of_tension(&fixed, &Scene { tolerance: 1e-2, ..pane("") }, 0.2).expect("a note");
+        assert!(text.contains("2.0e-1") && !text.contains("accuracy.quantity"), "{text}");
         assert!(noted(0.2, Measure::Deflection, 1e-2).is_some());
         let text = of_tension(&estimate(0.2), &pane("[body]\nreduction = 20\n"), f64::NAN).expect("a note");
         assert!(text.contains("under the impact point") && text.contains("body.reduction"), "{text}");

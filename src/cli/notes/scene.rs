@@ -256,6 +256,8 @@ pub fn notes(scene: &Scene, footprint: Option<Footprint>, plan: Option<&Plan>) -
                 );
                 add("wide contact", error, text);
             }
+            // A free body takes a part of the energy with it.
+            let indentation = impactor.force_law.peak_indentation(impactor.timing_mass, impactor.contact_speed());
             if let Some(radius) = impactor.radius.filter(|radius| indentation > 0.1 * radius) {
                 let text = format!(
                     "on a half-space the impactor would sink in by {indentation:.2e} m, and Hertz's law holds while that is small against its \

@@ -103,7 +103,9 @@ fn why_body_without_estimate(scene: &Scene) -> String {
     } else if *is_given {
         "the error of the stresses of a mesh is not estimated".to_owned()
     } else {
-        "only plates and spline solids in modal coordinates have an estimate, in a sweep only members that share their basis with no other support or temperature".to_owned()
+        "only plates and spline solids in modal coordinates have an estimate; meshes have none, and in a sweep neither have members \
+         whose basis was made for other supports or another temperature"
+            .to_owned()
     }
 }
 
