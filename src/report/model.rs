@@ -32,7 +32,7 @@ pub fn section(data: &Data) -> Section {
         rows.push(Fact::new("Estimated error of the deflection under the impactor", estimate.sentence()));
     }
     if let Some(stresses) = &data.stresses {
-        rows.push(Fact::new("Estimated error of the largest tension", stress_error(data, stresses).sentence()));
+        rows.push(Fact::new("Estimated error of the largest tension", stress_error(stresses).sentence()));
     }
     let mut parts = vec![
         Part::Facts(Facts { caption: "Model".to_owned(), rows }),
@@ -137,7 +137,7 @@ pub fn deflection_error(data: &Data) -> Option<Estimate> {
 }
 
 /// Estimated error of the largest tension.
-pub fn stress_error(data: &Data, stresses: &Stresses) -> Estimate {
+pub fn stress_error(stresses: &Stresses) -> Estimate {
     let error = stresses.error_estimate;
     if error.is_nan() {
         let why = stresses.without_estimate.as_str();

@@ -171,7 +171,7 @@ fn facts(data: &Data) -> Vec<KeyFigure> {
     if let Some((stresses, largest)) = data.stresses.as_ref().and_then(|of| Some((of, of.largest.as_ref()?))) {
         let note = format!("{}, {}", face_name(&largest.face), at(largest.time));
         add("Largest tension", computed(largest.value, STRESS), note);
-        let Estimate { value, of } = stress_error(data, stresses);
+        let Estimate { value, of } = stress_error(stresses);
         add("Estimated error of the tension", value, of);
     }
     if let Some(Estimate { value, of }) = deflection_error(data) {

@@ -166,7 +166,7 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
             _ => "Whether the strength was exceeded is undecided.".to_owned(),
         },
     };
-    format!("{strength} Estimated error of the largest tension: {}.", stress_error(data, stresses).sentence())
+    format!("{strength} Estimated error of the largest tension: {}.", stress_error(stresses).sentence())
 }
 
 /// The faces to be drawn.
