@@ -47,7 +47,7 @@ class History:
             self.time, contact = file["series/time"][:], file["series/contact"]
             self.deflection, self.force = contact["surface_displacement"][:], contact["force"][:]
             self.estimate = float(file.attrs["deflection_error_estimate"])
-            self.vectors, self.theory = file.attrs["reduction"].split()[0], file.attrs["model"]
+            self.vectors, self.theory = file.attrs["reduction"].decode().split()[0], file.attrs["model"].decode()
 
     def error(self, reference, where=slice(None)):
         """Largest difference from a reference at the steps `where`, divided by the reference's largest deflection."""

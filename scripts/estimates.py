@@ -36,8 +36,8 @@ class Result:
             self.tension = file[f"series/stress/{face}/largest"][:]
             facts = file.attrs
             self.estimates = {"acceleration": float(facts["error_estimate"]), "tension": float(facts["stress_error_estimate"])}
-            self.theory, self.seconds = facts["model"], float(facts["wall_time_total"])
-            self.reduction = facts["reduction"]
+            self.theory, self.seconds = facts["model"].decode(), float(facts["wall_time_total"])
+            self.reduction = facts["reduction"].decode()
 
     def errors(self, reference):
         """Largest difference of the acceleration over its peak; that of the tension on the lower face, linear between the recorded steps,

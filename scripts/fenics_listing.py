@@ -71,6 +71,8 @@ def dolfin_mesh(source, surface):
         editor.add_cell(number, cell)
     editor.close()
     marks = df.MeshFunction("size_t", mesh, 2, 0)
+    # Facets first: newer versions of dolfin do not make them for what follows.
+    mesh.init(2)
     mesh.init(2, 0)
     facet_of = {tuple(sorted(facet.entities(0))): facet.index() for facet in df.facets(mesh)}
     for triangle in source.surfaces[surface]:

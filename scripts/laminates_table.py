@@ -26,9 +26,9 @@ def run(folder, name):
         force = file["series/contact/force"][:].max()
         faces = {face: largest(file, face) for face in file["series/stress"] if "largest" in file[f"series/stress/{face}"]}
         return {
-            "model": file.attrs["model"],
+            "model": file.attrs["model"].decode(),
             "unknowns": int(file.attrs["unknowns"]),
-            "reduction": file.attrs["reduction"],
+            "reduction": file.attrs["reduction"].decode(),
             "force": force,
             "peak_time": file["series/time"][file["series/contact/force"][:].argmax()],
             "faces": faces,

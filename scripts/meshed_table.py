@@ -79,7 +79,7 @@ def line(name, mesh, folder):
     within = [(vectors, time, error) for vectors, time, history in runs if (error := history.error(reference, end)) <= TOLERANCE]
     total = float(facts["wall_time_total"])
     estimate = float(facts["first_contact_error"])
-    row = [name, mesh, f"{int(facts['unknowns']):,}", facts["reduction"].split()[0], seconds(total)]
+    row = [name, mesh, f"{int(facts['unknowns']):,}", facts["reduction"].decode().split()[0], seconds(total)]
     row.append(f"{per_cent(own.error(reference, end))} ({per_cent(estimate)})")
     if not within:
         return row + [f"up to {runs[-1][0]}", f"over {seconds(runs[-1][1])}", per_cent(runs[-1][2].error(reference, end)), "–"]

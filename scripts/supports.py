@@ -102,7 +102,7 @@ def run(program, folder, name, keys):
     with h5py.File(result) as file:
         facts = file.attrs
         seconds = after.ru_utime - before.ru_utime
-        return float(facts["largest_stress"]), float(facts["stress_error_estimate"]), str(facts["model"]), seconds
+        return float(facts["largest_stress"]), float(facts["stress_error_estimate"]), facts["model"].decode(), seconds
 
 
 def row(program, out, number):

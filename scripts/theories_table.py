@@ -27,7 +27,7 @@ class Run:
             self.contacts = list(zip(file["contacts/start"][:], file["contacts/end"][:]))
             self.seconds = float(file.attrs["wall_time_total"])
             self.unknowns = int(file.attrs["unknowns"])
-            self.model, self.reduction = file.attrs["model"], file.attrs["reduction"]
+            self.model, self.reduction = file.attrs["model"].decode(), file.attrs["reduction"].decode()
 
     def error(self, reference):
         """Largest difference of the accelerations in the first contact of either, over the reference's peak, at this one's steps: between

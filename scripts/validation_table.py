@@ -38,7 +38,7 @@ class Run:
             self.deflection = file["series/contact/surface_displacement"][:]
             self.contacts = [dict(zip(CONTACT, row)) for row in zip(*(file[f"contacts/{key}"][:] for key in CONTACT))]
             self.probes = {key: value["displacement"][:] for key, value in file.get("series/probe", {}).items()}
-            self.model = file.attrs["model"]
+            self.model = file.attrs["model"].decode()
 
     def peak(self):
         """Of the force: the top of a parabola through the highest step and its neighbours."""

@@ -130,13 +130,18 @@ impl Error {
     /// The whole message for standard error, including the newline: one line, and for a scene an excerpt with the error
     /// marked. `colours` is for a terminal; without it the text has no escape codes.
     pub fn report(&self, colours: bool) -> String {
+        let plain = self.rendered(GraphicalTheme::unicode_nocolor());
+        let shown = visible(&plain);
+        if colours && shown == plain { self.rendered(GraphicalTheme::unicode()) } else { shown }
+    }
+
+    fn rendered(&self, theme: GraphicalTheme) -> String {
         let error = match self {
-            Self::Alone(error) => return error.report(colours),
+            Self::Alone(error) => return error.rendered(theme),
             Self::Scene(error) => error,
             Self::Interrupted => return format!("{self}\n"),
             _ => return format!("error: {self}\n"),
         };
-        let theme = if colours { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let mut text = String::new();
         // Lines are not wrapped, so that messages can be searched for.
         GraphicalReportHandler::new_themed(theme)
@@ -145,6 +150,16 @@ impl Error {
             .render_report(&mut text, error.as_ref())
             .map_or_else(|_| format!("error: {self}\n"), |()| text)
     }
+}
+
+/// Text in which control characters, such as those that change the title of a terminal or clear it, are written as
+/// `\u{1b}`; lines and tabs stay.
+pub fn visible(text: &str) -> String {
+    let is_kept = |letter: char| !letter.is_control() || matches!(letter, '\n' | '\t');
+    let text = text.replace("\r\n", "\n");
+    text.chars()
+        .map(|letter| if is_kept(letter) { letter.into() } else { letter.escape_default().to_string() })
+        .collect()
 }
 
 impl From<petsc_wrap::Error> for Error {

@@ -31,7 +31,6 @@ fn main() {
         _ => Verbosity::Debug,
     });
     cli::log_to_stderr();
-    cli::interrupt::outlive_limits();
     match &cli.command {
         // Under mpirun, only one rank runs these commands.
         Command::Plot(_)
@@ -70,6 +69,7 @@ fn under_petsc(options: &[String], work: impl FnOnce(&Session) -> Result<i32, Er
         conclude(None, Err(Error::Usage(message)));
     }
     cli::environment::set();
+    cli::interrupt::install();
     match Session::start(options) {
         Some(Ok(session)) => {
             let result = work(&session);
@@ -106,19 +106,19 @@ fn conclude(session: Option<Session>, result: Result<i32, Error>) -> ! {
         // handlers.
         Some(session) if !error.is_everywhere() && (session.world().size() > 1 || error.status() == 4) => {
             if session.world().size() == 1 {
-                tell(format_args!("{}", report.trim_end()));
+                cli::print_report(&report);
                 // There are no other ranks to end, and MPI would report that it ended some.
                 session.leave(status);
             }
             if !root {
                 let_root_tell();
             }
-            tell(format_args!("{}", report.trim_end()));
+            cli::print_report(&report);
             session.abort(status);
         }
         session => {
             if root {
-                tell(format_args!("{}", report.trim_end()));
+                cli::print_report(&report);
             } else if session.is_none() {
                 let_root_tell();
             }

@@ -82,4 +82,5 @@ fn targets_answer_whatever_comes() {
     run("set", targets::set);
     run("checkpoint", targets::checkpoint);
     run("mesh", targets::mesh);
+    run("result", targets::result);
 }

@@ -4,9 +4,11 @@ use std::cell::OnceCell;
 use std::fs;
 use std::ops::ControlFlow;
 
+use clap::Parser;
 use petsc_wrap::{Comm, Session};
 use ricochet::cli::checkpoint_writer::Known;
 use ricochet::cli::summary::Summary;
+use ricochet::cli::{self, Cli, Command};
 use ricochet::impact::checkpoint::{Checkpoint, Visitor};
 use ricochet::impact::step::Step;
 use ricochet::impact::{Observer, Reading};
@@ -65,6 +67,58 @@ pub fn mesh(data: &[u8]) {
             assert!(mesh.positions().iter().flatten().all(|x| !x.is_nan()));
         }
         comm.collect_garbage().expect("garbage is collected");
+    });
+}
+
+thread_local! {
+    /// A small result of a run, and a sweep.
+    static RESULTS: OnceCell<[Vec<u8>; 2]> = const { OnceCell::new() };
+}
+
+/// Target: the input changes bytes of a result: which of the two, then for each change two bytes for the place, of the first
+/// 64 KiB, and one for the value.
+pub fn result(data: &[u8]) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let made = RESULTS.with(|results| {
+        results
+            .get_or_init(|| {
+                fs::write(at("scene.toml"), BODY).expect("a scene");
+                let [scene, run, sweep] = ["scene.toml", "run.h5", "sweep.h5"].map(at);
+                command(&["run", &scene, "-o", &run]);
+                command(&["sweep", &scene, "--vary", "impactor.speed=1,2", "--series", "-o", &sweep]);
+                [run, sweep].map(|path| fs::read(path).expect("a result"))
+            })
+            .clone()
+    });
+    let mut data = Bytes(data);
+    let mut bytes = made[usize::from(data.next() % 2)].clone();
+    while !data.0.is_empty() {
+        let place = usize::from(u16::from_le_bytes([data.next(), data.next()]));
+        let value = data.next();
+        bytes.get_mut(place).into_iter().for_each(|byte| *byte = value);
+    }
+    fs::write(at("changed.h5"), &bytes).expect("a file");
+    let (changed, page, figure) = (at("changed.h5"), at("x.html"), at("x.svg"));
+    for line in [&["info", &changed][..], &["report", &changed, "-o", &page], &["plot", &changed, "-o", &figure]] {
+        command(line);
+    }
+}
+
+/// Runs a command of the program; its error, if there is one, is not looked at.
+fn command(words: &[&str]) {
+    let cli = Cli::try_parse_from(["ricochet", "-q"].iter().chain(words)).expect("a good command line");
+    SESSION.with(|session| {
+        let session = session.get_or_init(|| Session::start(&[]).expect("once a thread").expect("PETSc starts"));
+        let comm = session.world();
+        let _ = match &cli.command {
+            Command::Run(run) => cli::run::run(&comm, run),
+            Command::Sweep(sweep) => cli::sweep::sweep(&comm, sweep),
+            Command::Info(info) => cli::info::info(info).map(|()| 0),
+            Command::Report(report) => cli::report::report(report).map(|()| 0),
+            Command::Plot(plot) => cli::plot::plot(&plot.results, &plot.output, None).map(|()| 0),
+            _ => Ok(0),
+        };
     });
 }
 

@@ -62,3 +62,24 @@ fn ask_for_huge_pages() {
         libc::free(block);
     }
 }
+
+/// Address space, in bytes, that PETSc and its libraries need. With less, OpenBLAS asks for memory again and again, for
+/// ever.
+const LEAST_ADDRESS_SPACE: u64 = 600 << 20;
+
+/// Returns an error, a sentence, if the system limits the process to less address space than PETSc needs.
+pub(crate) fn check_address_space() -> Result<(), String> {
+    for (resource, name) in [(libc::RLIMIT_AS, "address space"), (libc::RLIMIT_DATA, "data segment")] {
+        let mut limit = libc::rlimit { rlim_cur: libc::RLIM_INFINITY, rlim_max: libc::RLIM_INFINITY };
+        // SAFETY: the structure is valid; if the call fails, it stays as it is.
+        unsafe { libc::getrlimit(resource, &raw mut limit) };
+        if limit.rlim_cur < LEAST_ADDRESS_SPACE {
+            return Err(format!(
+                "the {name} of this process is limited to {} MB, and PETSc needs {} MB: see ulimit, or the memory asked for in a batch job",
+                limit.rlim_cur >> 20,
+                LEAST_ADDRESS_SPACE >> 20
+            ));
+        }
+    }
+    Ok(())
+}

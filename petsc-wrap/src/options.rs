@@ -6,8 +6,9 @@ use crate::error::{Result, check};
 use crate::session::Session;
 use crate::text::{from_c, option_name, to_c};
 
-/// The option that a session sets: MPI's and the program's own signal handlers stay in use.
-pub(crate) const SESSION_OPTION: &str = "-no_signal_handler";
+/// The options that a session sets: MPI's and the program's own signal handlers stay in use, and a file `.petscrc` in the
+/// current or the home folder, which could make PETSc load a library, is not read.
+pub(crate) const SESSION_OPTIONS: [&str; 2] = ["-no_signal_handler", "-skip_petscrc"];
 
 /// Whether an option (`name` with its leading dash) is set.
 ///
@@ -60,7 +61,7 @@ pub fn clear(session: &Session, name: &str) -> Result<()> {
     check(unsafe { sys::PetscOptionsClearValue(std::ptr::null_mut(), name.as_ptr()) })
 }
 
-/// All options that are set, on one line, without the option that a [`Session`] sets.
+/// All options that are set, on one line, without those that a [`Session`] sets.
 ///
 /// # Errors
 /// If a PETSc call fails.
@@ -78,7 +79,7 @@ pub fn all(session: &Session) -> Result<String> {
         // SAFETY: as above.
         check(unsafe { free(raw.cast(), 0, c"all".as_ptr(), c"options.rs".as_ptr()) })?;
     }
-    Ok(value.split_whitespace().filter(|word| *word != SESSION_OPTION).collect::<Vec<_>>().join(" "))
+    Ok(value.split_whitespace().filter(|word| !SESSION_OPTIONS.contains(word)).collect::<Vec<_>>().join(" "))
 }
 
 /// Names of options that nothing has read so far. Most often they are misspelt.

@@ -11,6 +11,7 @@ use petsc_sys as sys;
 
 use crate::comm::Comm;
 use crate::error::{Error, Result, check};
+use crate::memory::check_address_space;
 use crate::options;
 use crate::text::to_c;
 
@@ -77,7 +78,7 @@ impl Session {
     /// return the error of the first rank that failed. Collective.
     fn load_together(&self) -> Result<()> {
         let world = self.0.universe.world();
-        let why = sys::load().err();
+        let why = load().err();
         let failing = if why.is_some() { world.rank() } else { world.size() };
         let mut first = failing;
         world.all_reduce_into(&failing, &mut first, SystemOperation::min());
@@ -98,11 +99,11 @@ impl Session {
     }
 
     fn start_petsc(&self, options: &[String]) -> Result<()> {
-        let library = sys::load().map_err(Error::NotLoaded)?;
+        let library = load().map_err(Error::NotLoaded)?;
         let program = std::env::args_os().next();
         let program = program.map_or_else(|| "program".to_owned(), |path| path.to_string_lossy().into_owned());
-        let words = [program, options::SESSION_OPTION.to_owned()];
-        let arguments: Vec<CString> = words.iter().chain(options).map(|word| to_c(word)).collect();
+        let words = [&program[..]].into_iter().chain(options::SESSION_OPTIONS);
+        let arguments: Vec<CString> = words.chain(options.iter().map(String::as_str)).map(to_c).collect();
         let mut argv: Vec<*mut c_char> = arguments.iter().map(|word| word.as_ptr().cast_mut()).collect();
         let mut argc = c_int::try_from(argv.len()).map_err(|_| Error::TooLarge { number: argv.len() })?;
         argv.push(std::ptr::null_mut());
@@ -158,6 +159,12 @@ impl Session {
             }
         }
     }
+}
+
+/// Loads PETSc, if the process has enough address space for it.
+fn load() -> std::result::Result<&'static sys::Library, String> {
+    check_address_space()?;
+    sys::load()
 }
 
 impl Inner {

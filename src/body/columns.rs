@@ -6,6 +6,9 @@ use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use nalgebra::DMatrix;
 use petsc_wrap::Comm;
+
+use super::memory;
+use crate::error::Result;
 use std::ops::Range;
 
 /// Vectors of equal length, stored one after the other. If distributed, each rank has some of the rows, and operations
@@ -44,6 +47,17 @@ impl Columns {
 
     fn with(&self, count: usize, entries: Vec<f64>) -> Self {
         Self { rows: self.rows, count, entries, ranks: self.ranks.clone() }
+    }
+
+    /// Checks that there is memory for so many more vectors, each with one of its length beside it.
+    ///
+    /// # Errors
+    /// A fault of the scene, on all ranks.
+    pub fn check_room(&self, vectors: usize) -> Result<()> {
+        let what = format!("a basis of {} vectors", self.count + vectors);
+        let help = "a larger accuracy.tolerance, body.model for a plate, coarser cells, or more machines";
+        let bytes = 2.0 * (vectors * self.rows * size_of::<f64>()) as f64;
+        memory::check(self.ranks.as_ref(), memory::Need { bytes, what: &what, key: "body.reduction", help })
     }
 
     /// Number of rows on this rank.

@@ -201,6 +201,7 @@ impl Krylov {
     /// # Errors
     /// If a PETSc call fails.
     pub fn grow(&mut self, body: &dyn LinearBody, vectors: usize) -> Result<()> {
+        self.basis.check_room(vectors.saturating_sub(self.vectors()))?;
         if let Some(lanczos) = &mut self.lanczos {
             let solver = &mut self.shifts[0].solver;
             let exhausted = if solver.is_single() { EXHAUSTED_OF_SINGLE } else { EXHAUSTED };

@@ -23,6 +23,7 @@ mod lanczos;
 mod linear;
 mod local;
 mod lumped;
+pub(crate) mod memory;
 mod modal;
 mod modal_relaxation;
 mod modes;

@@ -17,7 +17,7 @@ use crate::study::chart::{
 use crate::study::history::Difference;
 
 use super::bench::Bench;
-use super::interrupt::Interrupt;
+use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Chart, note, say, tell, warn_of_unused_options};
@@ -48,7 +48,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
         let are_ours = arguments.output.join(RUNS).exists();
         made.claim(("chart.toml", given_source.text()), &RESULTS, are_ours)
     })?;
-    let interrupt = Rc::new(Interrupt::on_signals());
+    let interrupt = Rc::new(Interrupt::new(Ending::Soon));
     let (asked, ranks) = (interrupt, comm.clone());
     let place = arguments.output.join(RUNS);
     let bench = Bench::new(comm, &source, &place, Rc::new(move || asked.is_raised(&ranks)))?;

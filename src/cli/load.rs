@@ -16,6 +16,9 @@ use crate::scene::{Geometry, Scene, Source};
 /// File name that stands for standard input.
 pub const STANDARD_INPUT: &str = "-";
 
+/// Size from which on a file is no scene, bytes.
+const LARGEST: u64 = 4 << 20;
+
 /// A scene and its origin.
 pub struct Loaded {
     /// The scene after all overrides.
@@ -24,6 +27,8 @@ pub struct Loaded {
     pub source: Source,
     /// Whether the scene was taken from a result.
     pub is_of_result: bool,
+    /// Options for PETSc stored in that result, in one line.
+    pub stored_options: String,
 }
 
 /// Data that rank 0 reads and sends to the other ranks.
@@ -31,26 +36,19 @@ pub struct Loaded {
 struct Given {
     source: Source,
     is_of_result: bool,
-    /// Options for PETSc stored in a result; `None` if the scene is not from a result.
-    petsc_options: Option<String>,
+    stored_options: String,
 }
 
 /// Reads a scene, with all files that it names except the mesh, on rank 0. All ranks get the same data or the same
-/// error. For a result, its scene is used; its options for PETSc are used if no others are given. `-` is standard
-/// input. Collective.
+/// error. For a result, its scene is used, and its options for PETSc are only named. `-` is standard input. Collective.
 ///
 /// # Errors
 /// [`Error::Output`] if the file cannot be read; [`Error::Usage`] if it is not text; [`Error::Scene`] if the scene is
 /// wrong.
 pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
-    let Given { source, is_of_result, petsc_options } = decided(comm, || given(path, overrides))?;
-    if let Some(given) = petsc_options
-        && options::all(comm.session())?.is_empty()
-    {
-        set_options(comm, &given)?;
-    }
+    let Given { source, is_of_result, stored_options } = decided(comm, || given(path, overrides))?;
     let (scene, source) = Scene::checked(source)?;
-    Ok(Loaded { scene, source, is_of_result })
+    Ok(Loaded { scene, source, is_of_result, stored_options })
 }
 
 fn given(path: &Path, overrides: &[String]) -> Result<Given> {
@@ -59,7 +57,7 @@ fn given(path: &Path, overrides: &[String]) -> Result<Given> {
     let text = Scene::decode(&shown(path), bytes).map_err(Error::Usage)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (_, source) = Scene::within(&shown(path), folder, &text, overrides)?;
-    Ok(Given { source, is_of_result: false, petsc_options: None })
+    Ok(Given { source, is_of_result: false, stored_options: String::new() })
 }
 
 /// Name of a scene's file in messages.
@@ -80,7 +78,10 @@ fn bytes(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
             let is_file = std::fs::metadata(path).is_ok_and(|there| there.is_file());
             return if is_file { Ok(None) } else { Err(io::Error::other("a result cannot be read from a pipe")) };
         }
-        input.read_to_end(&mut bytes)?;
+        input.take(LARGEST).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 >= LARGEST {
+            return Err(io::Error::other(format!("it has more than {} MB", LARGEST >> 20)));
+        }
         Ok(Some(bytes))
     };
     read().map_err(|error: io::Error| format!("the scene cannot be read: {error}"))
@@ -94,7 +95,7 @@ fn of_result(path: &Path, overrides: &[String]) -> Result<Given> {
     if mesh_digest(&scene).unwrap_or_default() != origin.mesh_digest.unwrap_or_default() {
         return Err(Error::Usage(changed(path, &scene)));
     }
-    Ok(Given { source, is_of_result: true, petsc_options: Some(origin.petsc_options) })
+    Ok(Given { source, is_of_result: true, stored_options: origin.petsc_options })
 }
 
 /// Message for a scene whose mesh is not the one of a result.
@@ -112,8 +113,11 @@ pub fn mesh_digest(scene: &Scene) -> Option<String> {
     Some(format!("{:016x}", digest_of_file(path).ok()?))
 }
 
-/// Sets options given in one line, in PETSc's own format.
-fn set_options(comm: &Comm, line: &str) -> Result<()> {
+/// Sets options for PETSc given in one line, in PETSc's own format.
+///
+/// # Errors
+/// If PETSc does not start, or refuses an option.
+pub fn set_options(comm: &Comm, line: &str) -> Result<()> {
     let mut words = line.split_whitespace().peekable();
     while let Some(name) = words.next() {
         // A number may begin with a minus sign.

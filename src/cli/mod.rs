@@ -34,7 +34,7 @@ use std::sync::OnceLock;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, visible};
 use crate::study::sweep::Shard;
 
 pub use petsc::refused as refused_for_petsc;
@@ -121,6 +121,10 @@ pub struct Run {
     /// the peak
     #[arg(long)]
     pub force: bool,
+    /// For a result as the scene: use the options for PETSc that it was made with. They are left out by default, since such options can
+    /// write files
+    #[arg(long, conflicts_with = "petsc")]
+    pub stored_options: bool,
     /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,
@@ -297,7 +301,7 @@ pub fn is_root_by_environment() -> bool {
 
 /// Prints a line on standard output. An error is kept for [`check_stdout`].
 pub fn say(line: fmt::Arguments) {
-    if let Err(error) = writeln!(io::stdout(), "{line}") {
+    if let Err(error) = writeln!(io::stdout(), "{}", visible(&line.to_string())) {
         // A reader that has closed the pipe, as in `ricochet check … | head -1`, needs no more output.
         if error.kind() != io::ErrorKind::BrokenPipe {
             let _ = STDOUT_ERROR.set(error.to_string());
@@ -320,8 +324,13 @@ pub fn check_stdout() -> Result<()> {
 
 /// Prints a line on standard error. Errors are ignored.
 pub fn tell(line: fmt::Arguments) {
+    print_report(&visible(&line.to_string()));
+}
+
+/// Prints the text of [`Error::report`], which may have colours, on standard error. Errors are ignored.
+pub fn print_report(report: &str) {
     // In one piece, so that lines of several ranks do not mix.
-    let _ = io::stderr().write_all(format!("{line}\n").as_bytes());
+    let _ = io::stderr().write_all(format!("{}\n", report.trim_end()).as_bytes());
 }
 
 /// Prints a progress line or a note on standard error, unless `--quiet` is given.

@@ -12,7 +12,7 @@ use crate::study::stability::{STEPS_PER_CONTACT, Study};
 use crate::study::table::{COLUMNS, csv, gist, theory};
 use crate::study::{Verdict, label, stability as study};
 
-use super::interrupt::Interrupt;
+use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::progress::Items;
 use super::{Stability, say, tell, warn_of_unused_options};
@@ -36,7 +36,7 @@ pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
         let there = std::fs::read_to_string(arguments.output.join(RESULTS[0])).unwrap_or_default();
         made.check_ours(&RESULTS, there.starts_with(COLUMNS))
     })?;
-    let interrupt = Interrupt::on_signals();
+    let interrupt = Interrupt::new(Ending::InOrder);
     let found = find(comm, &scene, arguments.budget, &interrupt).map_err(|error| error.in_scene(&source))?;
     decided(comm, || match (&folder, &found) {
         (Some(folder), Some(study)) => write(folder, study, &scene),

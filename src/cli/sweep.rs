@@ -16,7 +16,7 @@ use crate::scene::{Model, Scene, Source};
 use crate::study::sweep::{Bodies, Found, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
 
 use super::follow::Follower;
-use super::interrupt::Interrupt;
+use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::members::{MemberFacts, Remarks, tell_of_idle_keys};
 use super::progress::Items;
@@ -61,7 +61,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         Rc::new(RefCell::new(SweepRecorder { progress: Items::new(todo.len(), "members"), ..recorder }))
     });
 
-    let (interrupt, alone) = (Rc::new(Interrupt::on_signals()), comm.session().alone());
+    let (interrupt, alone) = (Rc::new(Interrupt::new(Ending::Soon)), comm.session().alone());
     // One theory for all members, so that it does not change from one to the next.
     let theory = match (scene.body.model, is_something_missing) {
         (Model::Auto, true) if !grid.varies("body.model") => {

@@ -2,11 +2,11 @@
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{Mesh, Site, mean};
 use crate::element::{Element, Quadrature, Table};
-use crate::scene::Vec3;
+use crate::scene::{Impactor, Vec3};
 
 /// Dimensions that a user can compare with the drawing of a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +23,17 @@ pub struct Measures {
     pub parts: usize,
     /// Number of pairs of faces that coincide but do not share their nodes, so that the body is not connected there.
     pub open_faces: usize,
+    /// Mean curvature of the surface at the impact point, 1/m: positive where the body is convex.
+    pub curvature: f64,
+    /// Cosine of the angle between the impactor's direction and the inward normal at the impact point.
+    pub steepness: f64,
 }
+
+/// Radius around the impact point in which the surface is looked at for its curvature, in lengths of cells there.
+const CELLS_AROUND: f64 = 3.0;
+
+/// Smallest cosine of the angle between normals of one smooth surface within this radius.
+const SMOOTH: f64 = 0.7;
 
 /// Largest difference in the coordinates of coinciding faces, as a fraction of the diameter of the mesh.
 const SAME: f64 = 1e-9;
@@ -38,8 +48,8 @@ pub struct Surface {
 }
 
 impl Mesh {
-    /// Measures the mesh. Collective.
-    pub fn measures(&self) -> Measures {
+    /// Measures the mesh, and its surface where an impactor hits it. Collective.
+    pub fn measures(&self, impactor: &Impactor) -> Measures {
         let mpi = self.comm.mpi();
         let (mut least, mut largest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for x in &self.cells.x {
@@ -51,6 +61,7 @@ impl Mesh {
         mpi.all_reduce_into(&least, &mut bounds[0], SystemOperation::min());
         mpi.all_reduce_into(&largest, &mut bounds[1], SystemOperation::max());
         let all: Vec<usize> = (0..self.facets.len()).collect();
+        let site = self.locate(impactor.point, impactor.direction);
         let surfaces =
             self.surfaces.iter().map(|(name, facets)| Surface { name: name.clone(), area: self.area(facets) });
         Measures {
@@ -60,7 +71,38 @@ impl Mesh {
             area: self.area(&all),
             parts: self.parts,
             open_faces: self.open_faces(),
+            curvature: self.curvature(&site),
+            steepness: -Vector3::from(site.normal).dot(&Vector3::from(impactor.direction)),
         }
+    }
+
+    /// Mean curvature of the surface at a point of it, 1/m, from the quadratic surface closest to the vertices around; 0 if
+    /// there are too few. Collective.
+    fn curvature(&self, site: &Site) -> f64 {
+        let (origin, up, reach) = (Vector3::from(site.x), Vector3::from(site.normal), CELLS_AROUND * site.cell);
+        let across = up.cross(&Vector3::ith(up.iamin(), 1.0)).normalize();
+        let along = up.cross(&across);
+        let mut here = Vec::new();
+        for x in (0..self.facets.len()).map(|i| self.facets.x(i)) {
+            let [a, b, c] = [x[0], x[1], x[2]].map(|x| Vector3::from(x) - origin);
+            let normal = (b - a).cross(&(c - a));
+            if normal.dot(&up) < SMOOTH * normal.norm() {
+                continue;
+            }
+            for offset in x.iter().map(|x| (Vector3::from(*x) - origin) / reach).filter(|offset| offset.norm() < 1.0) {
+                here.extend([offset.dot(&across), offset.dot(&along), offset.dot(&up)]);
+            }
+        }
+        let all = self.comm.all_gather(&here);
+        let rows = all.len() / 3;
+        let terms = DMatrix::from_fn(rows, 6, |row, term| {
+            let (u, v) = (all[3 * row], all[3 * row + 1]);
+            [u * u, v * v, u * v, u, v, 1.0][term]
+        });
+        let heights = DVector::from_fn(rows, |row, _| all[3 * row + 2]);
+        // Too few vertices leave some terms open; singular values this small are rounding.
+        let fitted = terms.svd(true, true).solve(&heights, 1e-9);
+        fitted.map_or(0.0, |of| -(of[0] + of[1]) / reach)
     }
 
     /// Number of pairs of boundary faces with the same centre. Collective.

@@ -40,6 +40,8 @@ pub struct Mesh {
     pub facets: Elements,
     /// Named surfaces as indices into `facets`; all ranks have the same names.
     pub surfaces: BTreeMap<String, Vec<usize>>,
+    /// Named surfaces that can carry no support and no load, and why: a clause without its subject. On all ranks.
+    pub unusable_surfaces: BTreeMap<String, String>,
     /// For each axis, the global numbers of the nodes on the plane of symmetry normal to it, of those nodes that this
     /// rank's cells touch.
     pub mirror_nodes: [Vec<Int>; 3],

@@ -1,6 +1,7 @@
 //! Creation of a [`Mesh`] from the geometry of a scene: a file, read through DMPlex, or a box.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
@@ -8,7 +9,7 @@ use petsc_wrap::{CellType, Comm, GmshMesh, PhysicalGroup, Plex};
 
 use crate::element::Shape;
 use crate::error::Result;
-use crate::scene::{Body, Fault, Geometry, Parts};
+use crate::scene::{Body, Fault, Geometry, Parts, is_name_of_result};
 
 use super::checks::check_untangled;
 use super::gmsh;
@@ -19,6 +20,9 @@ use super::{Elements, Mesh};
 
 /// DMPlex's label of the cells in physical groups, whose value is the number of the group.
 const CELLS: &str = "Cell Sets";
+
+/// Name of the stresses at the edge of the contact in results, beside those on surfaces.
+const RING: &str = "ring";
 
 impl Mesh {
     /// Creates or reads the mesh and distributes it over the ranks. Collective.
@@ -54,15 +58,17 @@ impl Mesh {
                     _ => vec![0; plex.points(3)?.len()],
                 };
                 let (cells, facets, marks) = part.elements(&groups)?;
-                let mut surfaces = BTreeMap::new();
+                let (mut surfaces, mut unusable_surfaces) = (BTreeMap::new(), BTreeMap::new());
                 for (PhysicalGroup { name, .. }, mark) in groups.into_iter().zip(marks) {
-                    if check_surface(comm, &name, &mark)? {
-                        surfaces.insert(name, mark.facets);
-                    }
+                    check_name(path, &name)?;
+                    match why_unusable(comm, &mark) {
+                        None => surfaces.insert(name, mark.facets).map(|_| ()),
+                        Some(reason) => unusable_surfaces.insert(name, reason).map(|_| ()),
+                    };
                 }
                 check_untangled(comm, &cells)?;
                 let mesh = Self::collect(comm, part.numbering.owned, cells, facets, surfaces);
-                Ok(Self { parts, parts_of_cells, ..mesh })
+                Ok(Self { parts, parts_of_cells, unusable_surfaces, ..mesh })
             }
         }
     }
@@ -92,6 +98,7 @@ impl Mesh {
             cells,
             facets,
             surfaces,
+            unusable_surfaces: BTreeMap::new(),
             mirror_nodes: Default::default(),
         }
     }
@@ -112,7 +119,7 @@ fn of_volumes<'a>(
     materials: impl Iterator<Item = &'a String>,
     volumes: &[PhysicalGroup],
 ) -> Result<Vec<usize>> {
-    let mut numbers = Vec::new();
+    let mut used = Vec::new();
     for name in materials {
         let Some(volume) = volumes.iter().find(|volume| volume.name == *name) else {
             let known: Vec<String> = volumes.iter().map(|volume| format!("{:?}", volume.name)).collect();
@@ -123,37 +130,57 @@ fn of_volumes<'a>(
             let message = format!("the mesh has no physical volume {name:?}");
             return Err(Fault::new(format!("material.{name}"), message, help).into());
         };
-        numbers.push(volume.number);
+        used.push(volume);
     }
-    let (mut parts, mut without) = (Vec::new(), 0_usize);
+    let (mut parts, mut without) = (Vec::new(), 0_u64);
+    // Position in the list of materials of the second one of a cell, or the number of materials.
+    let mut second = used.len() as u64;
     for cell in plex.points(3)? {
         let mut part = None;
-        for (i, number) in numbers.iter().enumerate() {
-            if part.is_none() && plex.has_label_value(CELLS, *number, cell)? {
-                part = Some(i);
+        for (i, PhysicalGroup { number, .. }) in used.iter().enumerate() {
+            if plex.has_label_value(CELLS, *number, cell)? {
+                second = if part.is_some() { second.min(i as u64) } else { second };
+                part = part.or(Some(i));
             }
         }
-        without += usize::from(part.is_none());
+        without += u64::from(part.is_none());
         parts.push(part.unwrap_or_default());
     }
-    let mut total = 0_usize;
+    let (mut total, mut first_second) = (0, 0);
     plex.comm().mpi().all_reduce_into(&without, &mut total, SystemOperation::sum());
+    plex.comm().mpi().all_reduce_into(&second, &mut first_second, SystemOperation::min());
+    let help = "[material.NAME] for one physical volume of each cell";
+    if let Some(volume) = used.get(first_second as usize) {
+        let message =
+            format!("cells of the physical volume {:?} are in another one that has a material, too", volume.name);
+        return Err(Fault::new("body.mesh", message, help).into());
+    }
     if total > 0 {
         let message = format!("{total} cells are in no physical volume that the scene has a material for");
-        return Err(Fault::new("body.mesh", message, "[material.NAME] for each physical volume of the mesh").into());
+        return Err(Fault::new("body.mesh", message, help).into());
     }
     Ok(parts)
 }
 
-/// Whether a physical surface contains any facets. A surface with faces inside the body is rejected.
-fn check_surface(comm: &Comm, name: &str, mark: &Mark) -> Result<bool> {
+/// Checks the name of a physical surface, which is a name in results and their messages.
+fn check_name(path: &Path, name: &str) -> Result<()> {
+    if is_name_of_result(name) && name != RING {
+        return Ok(());
+    }
+    let message = format!("{}: a physical surface has the name {name:?}", path.display());
+    let help = format!("a name without / and control characters, other than . and {RING:?}");
+    Err(Fault::new("body.mesh", message, help).into())
+}
+
+/// Why a physical surface can carry no support and no load; `None` if it can. Collective.
+fn why_unusable(comm: &Comm, mark: &Mark) -> Option<String> {
     let (counts, mut totals) = ([mark.facets.len(), mark.inside], [0usize; 2]);
     comm.mpi().all_reduce_into(&counts, &mut totals, SystemOperation::sum());
-    if totals[1] > 0 {
-        let message = format!("the physical surface {name:?} has {} faces inside the body", totals[1] / 2);
-        return Err(Fault::new("body.mesh", message, "name only surfaces on the boundary of the volume").into());
+    match totals {
+        [0, 0] => Some("has no faces: did Gmsh save its elements with their physical group?".to_owned()),
+        [_, 0] => None,
+        [_, inside] => Some(format!("has {} faces inside the body, and only its boundary can be used", inside / 2)),
     }
-    Ok(totals[0] > 0)
 }
 
 /// Diagonal of the bounding box of all cells, m.

@@ -155,7 +155,7 @@ pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn W
             let mesh = Mesh::new(comm, &scene.body)?;
             let body = Body::solid(scene, &mesh)?;
             let discretisation = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
-            let measures = matches!(scene.body.geometry, Geometry::Gmsh(_)).then(|| mesh.measures());
+            let measures = matches!(scene.body.geometry, Geometry::Gmsh(_)).then(|| mesh.measures(&scene.impactor));
             let patch = body.localization.footprint.patch();
             let whole = if scene.output.is_read() { mesh.gather() } else { None };
             drop(mesh);

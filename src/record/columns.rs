@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::impact::step::Step;
 use crate::record::episodes::Episode;
-use crate::record::provenance::write_text;
+use crate::record::storage::write_text;
 use hdf5_metno as hdf5;
 use hdf5_metno::plist::dataset_create::FillTime;
 use std::path::Path;

@@ -3,9 +3,23 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use crate::error::{Error, Result};
 use crate::record::{checkpoint, fields, target};
+
+/// Locks that this process holds: each lock file and its result.
+static HELD: Mutex<Vec<[PathBuf; 2]>> = Mutex::new(Vec::new());
+
+/// Removes what a process leaves behind that ends without its destructors: locks, and results without a row. Errors are
+/// ignored.
+pub fn abandon_all() {
+    let Ok(held) = HELD.try_lock() else { return };
+    for [lock, result] in &*held {
+        target::remove_parts(result);
+        let _ = fs::remove_file(lock);
+    }
+}
 
 /// File in the folder of a result, locked while a run writes the result. The system releases the lock when the process
 /// ends in any way.
@@ -59,6 +73,9 @@ impl Lock {
                     target::remove_parts(&checkpoint::beside(path));
                     fields::paths(path).iter().for_each(|path| target::remove_parts(path));
                 }
+                if let Ok(mut held) = HELD.lock() {
+                    held.push([beside.clone(), path.to_owned()]);
+                }
                 return Ok(Self { path: beside, _file: file });
             }
         }
@@ -68,6 +85,9 @@ impl Lock {
 impl Drop for Lock {
     /// Removes the lock file. No other process can have it locked. Errors are ignored.
     fn drop(&mut self) {
+        if let Ok(mut held) = HELD.lock() {
+            held.retain(|[lock, _]| *lock != self.path);
+        }
         let _ = fs::remove_file(&self.path);
     }
 }

@@ -12,6 +12,7 @@ pub mod provenance;
 pub mod quantity;
 pub mod read;
 pub mod series;
+mod storage;
 pub mod stress;
 pub mod sweep;
 pub mod target;

@@ -5,8 +5,9 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use hdf5_metno::types::VarLenUnicode;
-use hdf5_metno::{H5Type, Location, Result};
+use hdf5_metno::{Group, Location, Result};
+
+use super::storage::{long_text, text, update_text, write_long_text, write_scalar, write_text, write_text_with_room};
 
 /// Data needed to identify and to repeat the run that made a result.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +89,9 @@ impl ModelDetails {
 /// Name of the attribute with the warnings and notes of a run.
 const WARNINGS: &str = "warnings";
 
+/// Bytes kept for them from the beginning, so that nothing in the file moves at the end.
+const ROOM_OF_WARNINGS: usize = 16_000;
+
 /// Name of the attribute with the estimated error of the deflection.
 const DEFLECTION_ERROR: &str = "deflection_error_estimate";
 
@@ -162,8 +166,7 @@ impl Cost {
             newton_iterations: count("newton_iterations")?,
             solves: count("solves")?,
             error_estimate: number("error_estimate")?,
-            // Older results do not have it.
-            deflection_error_estimate: number(DEFLECTION_ERROR).unwrap_or(f64::NAN),
+            deflection_error_estimate: number(DEFLECTION_ERROR)?,
         })
     }
 
@@ -187,10 +190,9 @@ pub fn new_run_id() -> u64 {
 
 impl Provenance {
     /// Writes one attribute of `root` for each field; a field that is `None` is left out.
-    pub(super) fn write(&self, root: &Location) -> Result<()> {
+    pub(super) fn write(&self, root: &Group) -> Result<()> {
         for (name, text) in [
             ("title", &self.title),
-            ("scene", &self.scene),
             ("folder", &self.folder),
             ("version", &self.version),
             ("commit", &self.commit),
@@ -198,10 +200,11 @@ impl Provenance {
             ("petsc_options", &self.petsc_options),
             ("model", &self.model),
             ("reduction", &self.reduction),
-            (WARNINGS, &self.warnings),
         ] {
             write_text(root, name, text)?;
         }
+        write_long_text(root, "scene", &self.scene)?;
+        write_text_with_room(root, WARNINGS, &self.warnings, ROOM_OF_WARNINGS)?;
         if let Some(digest) = &self.mesh_digest {
             write_text(root, "mesh_digest", digest)?;
         }
@@ -219,20 +222,19 @@ impl Provenance {
     }
 
     /// Reads the attributes written by [`Self::write`].
-    pub(super) fn read(root: &Location) -> Result<Self> {
+    pub(super) fn read(root: &Group) -> Result<Self> {
         let words = |name: &str| text(root, name);
         let count = |name: &str| root.attr(name)?.read_scalar::<u64>().map(|count| count as usize);
         Ok(Self {
-            run_id: root.attr("run_id").and_then(|id| id.read_scalar()).unwrap_or_default(),
+            run_id: root.attr("run_id")?.read_scalar()?,
             title: words("title")?,
-            scene: words("scene")?,
-            folder: words("folder").unwrap_or_default(),
+            scene: long_text(root, "scene")?,
+            folder: words("folder")?,
             mesh_digest: words("mesh_digest").ok(),
             version: words("version")?,
             commit: words("commit")?,
             petsc_version: words("petsc_version")?,
-            // Earlier versions recorded this option, which the program always sets itself.
-            petsc_options: words("petsc_options")?.replace("-no_signal_handler", "").trim().to_owned(),
+            petsc_options: words("petsc_options")?,
             ranks: count("ranks")?,
             model: words("model")?,
             model_details: ModelDetails::read(root).ok(),
@@ -240,8 +242,7 @@ impl Provenance {
             unknowns: count("unknowns")?,
             impactor_mass: root.attr("impactor_mass")?.read_scalar()?,
             planned_rows: count("planned_rows").ok(),
-            // Older results do not have them.
-            warnings: words(WARNINGS).unwrap_or_default(),
+            warnings: words(WARNINGS)?,
         })
     }
 }
@@ -276,24 +277,7 @@ fn digested(hash: u64, bytes: &[u8]) -> u64 {
     bytes.iter().fold(hash, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// Creates a text attribute. It is a variable-length string, because fixed-length ones are limited to 64 KiB.
-pub(super) fn write_text(at: &Location, name: &str, text: &str) -> Result<()> {
-    let text: VarLenUnicode = text.parse().map_err(|_| format!("attribute {name}: the text holds a NUL character"))?;
-    write_scalar(at, name, text)
-}
-
-/// Reads a text attribute.
-pub(super) fn text(at: &Location, name: &str) -> Result<String> {
-    at.attr(name)?.read_scalar::<VarLenUnicode>().map(|text| text.to_string())
-}
-
 /// Overwrites the warnings of a result.
 pub(super) fn update_warnings(root: &Location, text: &str) -> Result<()> {
-    let text: VarLenUnicode = text.parse().map_err(|_| "a warning holds a NUL character".to_owned())?;
-    root.attr(WARNINGS)?.write_scalar(&text)
-}
-
-/// Creates an attribute with one value.
-pub(super) fn write_scalar<T: H5Type>(at: &Location, name: &str, value: T) -> Result<()> {
-    at.new_attr::<T>().create(name)?.write_scalar(&value)
+    update_text(root, WARNINGS, text)
 }

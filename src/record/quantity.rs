@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::record::columns::SERIES;
-use crate::record::provenance::text;
 use crate::record::read::{check_run, column, contacts, not_result, open};
+use crate::record::storage::{self, text};
 use crate::record::stress::{STRESS_MAP, order};
 use hdf5_metno as hdf5;
 use std::path::Path;
@@ -101,7 +101,7 @@ pub fn quantity(path: &Path, name: &str) -> Result<Quantity> {
     let units = text(first, "units").unwrap_or_default();
     let mut parts = Vec::new();
     for (name, dataset) in &datasets {
-        let values = dataset.read_raw::<f64>();
+        let values = storage::values::<f64>(dataset);
         let values = values.map_err(|e| not_result(path, &format!("{} cannot be read ({e})", dataset.name())))?;
         match dataset.shape()[..] {
             [_, columns] if columns > 0 => parts.extend((0..columns).map(|n| Part {

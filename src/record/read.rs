@@ -6,7 +6,8 @@ use crate::impact::step::Step;
 use crate::record::columns::{Column, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
-use crate::record::provenance::{Cost, Provenance, text};
+use crate::record::provenance::{Cost, Provenance};
+use crate::record::storage::{self, text};
 use crate::record::stress::{self, EarlierTensions};
 use crate::record::sweep::is_one as is_sweep;
 use crate::record::target::is_locked;
@@ -54,7 +55,7 @@ pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
 pub fn rows(path: &Path, rows: usize) -> Result<Vec<Vec<f64>>> {
     let file = open(path)?;
     let of_column = |column: &Column<Step>| {
-        let read = file.dataset(column.path).and_then(|dataset| dataset.read_raw::<f64>());
+        let read = storage::read::<f64>(&file, column.path);
         let mut values = read.map_err(|e| Error::io(path, format!("/{} cannot be read ({e})", column.path)))?;
         if values.len() < rows {
             let reason = format!("/{} has {} rows, and its checkpoint {rows}", column.path, values.len());
@@ -82,7 +83,7 @@ pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Prob
 pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<EarlierTensions> {
     let file = open(path)?;
     let wrong = |e: hdf5::Error| Error::io(path, format!("its stresses cannot be read: {e}"));
-    let ring = file.dataset("series/stress/ring").and_then(|dataset| dataset.read_raw::<f64>()).ok();
+    let ring = storage::read::<f64>(&file, "series/stress/ring").ok();
     let ring = ring.map(|mut ring| {
         ring.resize(rows, f64::NAN);
         ring
@@ -152,7 +153,7 @@ pub(super) fn column(file: &hdf5::File, path: &Path, name: &str) -> Result<Vec<f
     if dataset.ndim() != 1 {
         return Err(not_result(path, &format!("/{name} has {} dimensions, not 1", dataset.ndim())));
     }
-    dataset.read_raw::<f64>().map_err(|e| not_result(path, &format!("/{name} cannot be read ({e})")))
+    storage::values::<f64>(&dataset).map_err(|e| not_result(path, &format!("/{name} cannot be read ({e})")))
 }
 
 /// Checks that a file is the result of a run. Otherwise the error says what the file is.
@@ -164,7 +165,9 @@ pub(super) fn check_run(file: &hdf5::File, path: &Path) -> Result<()> {
         }
         Ok(_) => return Ok(()),
         Err(_) if is_checkpoint => "is a checkpoint: give the result that it lies beside",
-        Err(_) if file.group("VTKHDF").is_ok() => "holds the fields of a run: give the result that it lies beside",
+        Err(_) if storage::has_group(file, "VTKHDF") => {
+            "holds the fields of a run: give the result that it lies beside"
+        }
         Err(_) => "is not a result of ricochet: it has no series",
     };
     Err(Error::io(path, what))
@@ -183,7 +186,7 @@ pub(super) fn open(path: &Path) -> Result<hdf5::File> {
     if let Err(e) = std::fs::File::open(path) {
         return Err(Error::io(path, e));
     }
-    hdf5::File::open(path).map_err(|e| not_opened(path, &e))
+    storage::open(path).map_err(|e| not_opened(path, &e))
 }
 
 fn not_opened(path: &Path, error: &hdf5::Error) -> Error {

@@ -16,7 +16,8 @@ use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written
 use crate::record::episodes::Episodes;
 use crate::record::fields;
 use crate::record::probes::ProbeDatasets;
-use crate::record::provenance::{Cost, Provenance, update_warnings, write_scalar};
+use crate::record::provenance::{Cost, Provenance, update_warnings};
+use crate::record::storage::{self, write_scalar};
 use crate::record::stress::{EarlierTensions, Faces, LargestTension, MapDatasets, TensionDatasets, rings};
 use crate::record::target;
 use crate::space::evaluate::TensionMap;
@@ -29,9 +30,12 @@ use std::time::{Duration, Instant};
 pub(super) const FLUSH_EVERY: Duration = Duration::from_secs(1);
 /// Largest number of rows in the buffer; a full buffer is flushed at once (9 MB).
 const ROWS_BUFFERED: usize = 1 << 16;
-/// Number of rows in a chunk: if the number of rows is not planned, and its maximum (128 MiB; HDF5 allows 4 GiB).
-const CHUNK_UNPLANNED: usize = 1 << 15;
+/// Largest number of rows in a chunk (128 MiB; HDF5 allows 4 GiB).
 const CHUNK_MOST: usize = 1 << 24;
+/// If the number of rows is not planned: bytes of one chunk of each dataset, and the range of its rows. Rows that a run does
+/// not have are holes in the file, which its copies need not keep as holes.
+const CHUNKS_UNPLANNED: usize = 1 << 19;
+const CHUNK_UNPLANNED: [usize; 2] = [16, 1 << 10];
 /// Number of contact episodes in a chunk.
 const CHUNK_CONTACTS: usize = 64;
 
@@ -374,12 +378,15 @@ struct Begun {
 
 /// Creates the file at `path` with its attributes and its datasets.
 fn begin(path: &Path, provenance: &Provenance, points: &Points) -> hdf5::Result<Begun> {
-    let file = hdf5::File::create(path)?;
+    let file = storage::create(path)?;
     provenance.write(&file)?;
     Cost::UNKNOWN.write(&file)?;
     LargestTension::begin(&file)?;
     write_scalar(&file, "complete", false)?;
-    let chunk = provenance.planned_rows.unwrap_or(CHUNK_UNPLANNED).clamp(1, CHUNK_MOST);
+    // A face has its largest stress and the place, a probe three vectors.
+    let columns = SERIES.len() + 4 * points.faces.names.len() + 9 * points.probes.len();
+    let unplanned = (CHUNKS_UNPLANNED / (8 * columns)).clamp(CHUNK_UNPLANNED[0], CHUNK_UNPLANNED[1]);
+    let chunk = provenance.planned_rows.unwrap_or(unplanned).clamp(1, CHUNK_MOST);
     let contacts = new_datasets(&file, &CONTACTS, CHUNK_CONTACTS)?;
     // These come before the series, because the dataset of the time must be the last one.
     let probes = ProbeDatasets::new(&file, &points.probes, chunk)?;

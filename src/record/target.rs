@@ -1,6 +1,7 @@
 //! Output file of a result: checks that it is writable, and replaces an older file.
 
 use crate::error::{Error, Result};
+use crate::record::storage;
 use crate::record::sweep::is_one as is_sweep;
 use hdf5_metno as hdf5;
 use std::ffi::OsString;
@@ -36,7 +37,7 @@ impl Kind {
             Some(Self::Run)
         } else {
             // This check comes last, because the result of a run has a link `VTKHDF` to its fields.
-            file.group("VTKHDF").is_ok().then_some(Self::Fields)
+            storage::has_group(file, "VTKHDF").then_some(Self::Fields)
         }
     }
 }
@@ -172,7 +173,7 @@ fn check_replaceable(path: &Path, there: &fs::Metadata, kind: Kind) -> Result<()
     OpenOptions::new().write(true).open(path).map_err(|e| Error::io(path, format!("cannot be replaced: {e}")))?;
     // Opening takes the shared lock of HDF5, which fails if another process writes the file. If this process writes it,
     // the file is not opened read-only.
-    match hdf5::File::open(path) {
+    match storage::open(path) {
         Ok(file) if file.is_read_only() => match Kind::of(&file) {
             Some(there) if there == kind => Ok(()),
             Some(there) => {

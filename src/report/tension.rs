@@ -157,9 +157,7 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
     let strength = match (!data.strength.is_given(), &stresses.strength_passed) {
         (true, _) => "The scene gives no strength.".to_owned(),
         (false, Some(Passed { time, face })) => {
-            // Older results do not have the name of the face.
-            let of_face = if face.is_empty() { String::new() } else { format!(" of the {}", face_name(face)) };
-            format!("The strength{of_face} was first exceeded at {}.", computed(*time, TIME))
+            format!("The strength of the {} was first exceeded at {}.", face_name(face), computed(*time, TIME))
         }
         (false, None) => match most_used(data).map(|used| used.verdict(stresses)) {
             Some(StrengthVerdict::NotExceeded) => "The strength was not exceeded.".to_owned(),

@@ -18,6 +18,9 @@ const STIFF: f64 = 1e13;
 /// Smallest plausible shear or bulk modulus, Pa: the shear modulus of an incompressible material with [`SOFT`].
 const SOFT_SHEAR: f64 = SOFT / 3.0;
 
+/// Shear modulus beside which Maxwell terms below 1 Pa are probably relative ones, Pa.
+const RELATIVE: f64 = 1e3;
+
 /// Smallest plausible strength, Pa. Foam is stronger.
 const WEAK: f64 = 1e4;
 
@@ -42,7 +45,7 @@ const LIGHT: f64 = 25.0;
 const HEAVY: f64 = 25e3;
 
 /// Highest plausible temperature of a body whose relaxation depends on it, °C. Interlayers of glass are laminated at 140.
-const HOT: f64 = 150.0;
+pub(super) const HOT: f64 = 150.0;
 /// 0 °C, K.
 const ZERO_CELSIUS: f64 = 273.15;
 
@@ -68,6 +71,12 @@ pub struct Doubt {
     pub excess: f64,
 }
 
+/// Advice for a temperature that may be meant in K.
+pub(super) fn in_celsius(kelvin: f64) -> String {
+    let celsius = (1e6 * (kelvin - ZERO_CELSIUS)).round() / 1e6;
+    format!("temperatures are in °C: {} K are {} °C", show(kelvin), show(celsius))
+}
+
 /// All doubtful values of the scene of a source.
 pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
     let Ok(raw) = decode(source) else { return Vec::new() };
@@ -88,6 +97,17 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         if key != "impactor.young" {
             doubt(&key, young / STIFF, format!("{} Pa is stiffer than diamond", show(young)), of_young());
         }
+    }
+    for (name, material) in named(scene, &raw) {
+        let Some(Maxwell { equilibrium, terms }) = &material.shear else { continue };
+        let sum: f64 = terms.iter().map(|term| term.modulus).sum();
+        let is_relative = !terms.is_empty() && sum <= 1.0;
+        let what = format!("the terms have {} Pa in all, beside a shear modulus of {}", show(sum), show(*equilibrium));
+        let help = "terms are moduli in Pa: relative ones are multiplied by the shear modulus at t = 0, and `shear` is what is left".to_owned();
+        doubt(&format!("material.{name}.prony"), if is_relative { equilibrium / RELATIVE } else { 0.0 }, what, help);
+        let reference = raw.material.get(name).and_then(|raw| raw.wlf.as_ref()).map_or(0.0, |wlf| wlf.reference.0);
+        let what = format!("{} °C is hotter than any interlayer bears", show(reference));
+        doubt(&format!("material.{name}.wlf.reference"), reference / HOT, what, in_celsius(reference));
     }
     for (name, material) in named(scene, &raw) {
         let Some(raw::Material { shear: Some(Number(shear)), bulk, .. }) = raw.material.get(name) else { continue };
@@ -155,16 +175,11 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         doubt(&format!("support.{number}.stiffness"), SOFT_SUPPORT / stiffness, what, help);
     }
     if let Some(Number(temperature)) = raw.body.temperature {
-        let help = format!(
-            "temperatures are in °C: {} K are {} °C",
-            show(temperature),
-            show((1e6 * (temperature - ZERO_CELSIUS)).round() / 1e6)
-        );
         doubt(
             "body.temperature",
             temperature / HOT,
             format!("{} °C is hotter than any interlayer bears", show(temperature)),
-            help,
+            in_celsius(temperature),
         );
     }
     if let Some(radius) = impactor.radius.filter(|radius| *radius > LARGE) {

@@ -43,7 +43,7 @@ pub(crate) use faces::faces;
 pub use fault::Fault;
 pub use impactor::{Impactor, LayerEffect, LayeredContact};
 pub use load::{Load, Traction};
-pub use output::{Measure, Output, Probe};
+pub use output::{Measure, Output, Probe, is_name_of_result};
 pub use source::Source;
 pub use strength::{Strength, face_names};
 pub use support::{CLEAR_OF_SUPPORTS, Support, SupportKind, Within, leave_free};

@@ -50,3 +50,8 @@ pub struct Probe {
     /// Position, m; inside the box if the body is a box.
     pub point: Vec3,
 }
+
+/// Whether a name can be that of a group in an HDF5 file.
+pub fn is_name_of_result(name: &str) -> bool {
+    !name.is_empty() && name != "." && !name.contains('/') && !name.contains(char::is_control)
+}

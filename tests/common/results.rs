@@ -6,7 +6,6 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use hdf5_metno as hdf5;
-use hdf5_metno::types::VarLenUnicode;
 use tempfile::TempDir;
 
 use crate::program::{BOX, Outcome, ricochet, run};
@@ -87,9 +86,7 @@ pub fn good(folder: &TempDir, ranks: usize, line: &str) -> Outcome {
     outcome
 }
 
-pub fn text(at: &hdf5::Location, name: &str) -> String {
-    at.attr(name).unwrap().read_scalar::<VarLenUnicode>().unwrap().to_string()
-}
+pub use crate::texts::text;
 
 pub fn number<T: hdf5::H5Type>(file: &hdf5::File, name: &str) -> T {
     file.attr(name).unwrap().read_scalar().unwrap()

@@ -1,7 +1,8 @@
 //! Adds largest stresses to a result that has none.
 
 use hdf5_metno as hdf5;
-use hdf5_metno::types::VarLenUnicode;
+
+use crate::texts::set_text;
 
 /// Largest stresses of the lower and the upper face, Pa.
 pub const PEAKS: [f64; 2] = [41e6, 12e6];
@@ -17,7 +18,7 @@ pub fn add(file: &hdf5::File, strength_passed_at: f64) -> f64 {
     let wave = |peak: f64| -> Vec<f64> {
         (0..rows).map(|n| peak * (std::f64::consts::PI * n as f64 / (rows - 1) as f64).sin()).collect()
     };
-    let units = |dataset: &hdf5::Dataset, units: &str| text(dataset, "units", units);
+    let units = |dataset: &hdf5::Dataset, units: &str| set_text(dataset, "units", units);
     for (face, peak) in ["lower", "upper"].into_iter().zip(PEAKS) {
         let largest = format!("series/stress/{face}/largest");
         units(&file.new_dataset_builder().with_data(&wave(peak)).create(largest.as_str()).unwrap(), "Pa");
@@ -36,15 +37,9 @@ pub fn add(file: &hdf5::File, strength_passed_at: f64) -> f64 {
         file.attr(name).unwrap().write_scalar(&value).unwrap();
     }
     file.attr("largest_stress_point").unwrap().write(&POINT).unwrap();
-    let face: VarLenUnicode = "lower".parse().unwrap();
-    file.attr("largest_stress_face").unwrap().write_scalar(&face).unwrap();
+    set_text(file, "largest_stress_face", "lower");
     if strength_passed_at.is_finite() {
-        file.attr("strength_passed_face").unwrap().write_scalar(&face).unwrap();
+        set_text(file, "strength_passed_face", "lower");
     }
     at
-}
-
-fn text(at: &hdf5::Location, name: &str, text: &str) {
-    let text: VarLenUnicode = text.parse().unwrap();
-    at.new_attr::<VarLenUnicode>().create(name).unwrap().write_scalar(&text).unwrap();
 }

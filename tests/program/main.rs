@@ -22,6 +22,8 @@ mod results;
 mod stresses;
 #[path = "../common/sweeps.rs"]
 mod sweeps;
+#[path = "../common/texts.rs"]
+mod texts;
 
 mod agreement;
 mod bad_input;
@@ -44,6 +46,7 @@ mod restart_files;
 mod runs;
 mod slurm;
 mod stability_study;
+mod strangers;
 mod summaries;
 mod sweep;
 mod sweep_resume;
@@ -86,6 +89,7 @@ fn main() -> ExitCode {
         .group("slurm", slurm::TESTS)
         .group_unless(tools::command("shellcheck"), "slurm", slurm::SHELLCHECK)
         .group("stability_study", stability_study::TESTS)
+        .group("strangers", strangers::TESTS)
         .group("summaries", summaries::TESTS)
         .group("sweep", sweep::TESTS)
         .group("sweep_resume", sweep_resume::TESTS)

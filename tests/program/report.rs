@@ -4,7 +4,6 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use hdf5_metno::types::VarLenUnicode;
 use mpi_test::{PlainTest, tests};
 use scraper::Html;
 use tempfile::TempDir;
@@ -14,6 +13,7 @@ use crate::program::{BOX, LIMIT, ricochet, run, send, start, wait_for_writes};
 use crate::restarts::refused;
 use crate::results::{change, folder, good, long, words};
 use crate::stresses;
+use crate::texts::set_text;
 
 pub const TESTS: &[PlainTest] = tests![
     a_plate_in_modal_coordinates,
@@ -133,8 +133,7 @@ fn with_strength(strength: &str, passed_at: f64) -> TempDir {
     good(&folder, 0, "run scene.toml -o out.h5 --set output.stress=false");
     change(&folder.path().join("out.h5"), |file| {
         stresses::add(file, passed_at);
-        let scene: VarLenUnicode = format!("{BOX}[strength]\n{strength}\n").parse().unwrap();
-        file.attr("scene").unwrap().write_scalar(&scene).unwrap();
+        set_text(file, "scene", &format!("{BOX}[strength]\n{strength}\n"));
     });
     folder
 }
@@ -178,8 +177,7 @@ fn tension_is_held_against_the_strength() {
         let end = file.dataset("contacts/end").unwrap().read_raw::<f64>().unwrap()[0];
         file.attr("largest_stress_time").unwrap().write_scalar(&(1.01 * end)).unwrap();
         file.attr("stress_error_estimate").unwrap().write_scalar(&f64::NAN).unwrap();
-        let why: VarLenUnicode = "it is after the first contact".parse().unwrap();
-        file.attr("stress_without_estimate").unwrap().write_scalar(&why).unwrap();
+        set_text(file, "stress_without_estimate", "it is after the first contact");
     });
     let page = report(&folder);
     says(&page, &["Estimated error of the largest tension: not estimated (it is after the first contact)."]);
@@ -227,8 +225,7 @@ fn earlier_results_have_a_report() {
         for name in ["discretisation", "model_reason", "first_contact_error"] {
             file.delete_attr(name).unwrap();
         }
-        let scene: VarLenUnicode = BOX.replace("[body]", "[body]\ncolour = \"<red>\"").parse().unwrap();
-        file.attr("scene").unwrap().write_scalar(&scene).unwrap();
+        set_text(file, "scene", &BOX.replace("[body]", "[body]\ncolour = \"<red>\""));
     });
     let page = report(&folder);
     says(&page, &["This version of ricochet cannot read the scene (", "body.colour", "An impactor of 52 kg hits"]);

@@ -7,6 +7,8 @@ mod bad_scenes;
 mod sample;
 #[path = "../common/stresses.rs"]
 mod stresses;
+#[path = "../common/texts.rs"]
+mod texts;
 
 mod elements;
 mod forms;

@@ -2,8 +2,8 @@
 
 use crate::alone;
 use crate::sample::{COST, HALF_PERIOD, provenance, step};
+use crate::texts::text;
 use hdf5_metno as hdf5;
-use hdf5_metno::types::VarLenUnicode;
 use ricochet::error::Error;
 use ricochet::impact::step::Step;
 use ricochet::record::read::history;
@@ -37,11 +37,6 @@ const SERIES: [Column; 15] = [
 
 const CONTACTS: [(&str, &str); 5] =
     [("start", "s"), ("end", "s"), ("peak_force", "N"), ("peak_time", "s"), ("impulse", "N s")];
-
-fn text(at: &hdf5::Location, name: &str) -> String {
-    let attribute = at.attr(name).unwrap();
-    attribute.read_scalar::<VarLenUnicode>().unwrap().to_string()
-}
 
 fn number<T: hdf5::H5Type>(at: &hdf5::Location, name: &str) -> T {
     at.attr(name).unwrap().read_scalar().unwrap()

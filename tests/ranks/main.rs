@@ -20,6 +20,7 @@ mod patches;
 mod start;
 
 mod mesh {
+    pub mod groups;
     pub mod meshes;
     pub mod symmetry;
 }
@@ -109,6 +110,7 @@ fn main() -> ExitCode {
     let suite = Suite::new(session).between(|session| session.world().collect_garbage().expect("PETSc destroys"));
     with!(
         suite,
+        mesh::groups,
         mesh::meshes,
         mesh::symmetry,
         contact::area,

@@ -11,6 +11,8 @@ pub fn mpirun(ranks: usize) -> Command {
         .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
         .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
         .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
+        // The name of the same setting in Open MPI 5.
+        .env("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe")
         .env("OMPI_MCA_hwloc_base_binding_policy", "none")
         // A waiting rank yields its core. Without this, three ranks on two cores alternate with the period of the
         // scheduler.

@@ -1,195 +1,104 @@
-//! Numbers and order of the nodes of a Gmsh file, and their use by its elements.
+//! The nodes of a Gmsh file, by their numbers.
 
-/// The lookup table is as long as the span of the node numbers. Its longest allowed length is `SPARSEST` × number of
-/// nodes + `SPAN_ALWAYS`.
-const SPARSEST: usize = 64;
-const SPAN_ALWAYS: usize = 1 << 20;
+use std::collections::HashMap;
 
-/// Marks a number that no node has.
-const ABSENT: u32 = u32::MAX;
-
-/// The nodes of a file: they are first added, then closed, then looked up by elements.
+/// The nodes of a file; the index of a node is its position in the file.
+#[derive(Default)]
 pub(super) struct Nodes {
-    numbers: Numbers,
-    use_: Option<Use>,
-}
-
-/// Map from a node's number to its index, which is its position in the file.
-enum Numbers {
-    /// Consecutive numbers, which Gmsh writes by default: no list is needed.
-    Consecutive { first: usize, count: usize },
-    /// Any other numbers, while nodes are being added.
-    Listed(Vec<u32>),
-    /// The index for each number, starting at the smallest number.
-    Table { first: usize, count: usize, indices: Vec<u32> },
-}
-
-/// How elements use the nodes. One rank finds this out for all ranks.
-struct Use {
-    states: Vec<State>,
-    /// For each node, another node of the same connected part; the root of a part refers to itself.
-    joined: Vec<u32>,
-}
-
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum State {
-    Unused,
-    /// Used only by points, lines or facets.
-    Loose,
-    InCell,
+    /// Coordinates, m.
+    pub coordinates: Vec<[f64; 3]>,
+    /// Number of the first node. By default, Gmsh numbers nodes consecutively, and `indices` is `None`.
+    first: usize,
+    indices: Option<HashMap<usize, u32>>,
+    /// Whether a node belongs to an element of any dimension.
+    is_used: Vec<bool>,
 }
 
 impl Nodes {
-    /// No nodes yet. `is_judge`: whether this rank finds out which nodes are used and how they are connected.
-    pub fn new(is_judge: bool) -> Self {
-        let use_ = is_judge.then(|| Use { states: Vec::new(), joined: Vec::new() });
-        Self { numbers: Numbers::Consecutive { first: 0, count: 0 }, use_ }
-    }
-
-    /// Adds a node. Its number has at most 31 bits.
-    pub fn add(&mut self, number: usize) {
-        match &mut self.numbers {
-            Numbers::Consecutive { first, count } if *count == 0 => (*first, *count) = (number, 1),
-            Numbers::Consecutive { first, count } if number == *first + *count => *count += 1,
-            Numbers::Consecutive { first, count } => {
-                let mut list: Vec<u32> = (*first..*first + *count).map(|number| number as u32).collect();
-                list.push(number as u32);
-                self.numbers = Numbers::Listed(list);
-            }
-            Numbers::Listed(list) => list.push(number as u32),
-            Numbers::Table { .. } => unreachable!("nodes are added before they are closed"),
+    /// Adds a node with a number of at most 31 bits.
+    pub fn add(&mut self, number: usize) -> Result<(), String> {
+        let index = self.is_used.len();
+        if index == 0 {
+            self.first = number;
         }
-    }
-
-    /// Closes the list after the last node. `span` is the smallest and the largest number, if the file tells them.
-    pub fn close(&mut self, span: Option<(usize, usize)>) -> Result<(), String> {
-        let (least, largest) = match &self.numbers {
-            Numbers::Listed(list) => {
-                let ends = list.iter().fold((ABSENT, 0), |(least, most), n| (least.min(*n), most.max(*n)));
-                (ends.0 as usize, ends.1 as usize)
-            }
-            Numbers::Consecutive { first, count } if *count > 0 => (*first, *first + *count - 1),
-            _ => return Err("the mesh has no nodes".to_owned()),
-        };
-        if let Some((first, last)) = span
-            && (least < first || largest > last)
+        if self.indices.is_none() && number != self.first + index {
+            self.indices = Some((0..index).map(|index| (self.first + index, index as u32)).collect());
+        }
+        if let Some(indices) = &mut self.indices
+            && indices.insert(number, index as u32).is_some()
         {
-            return Err(format!("nodes are numbered from {least} to {largest}, where {first} to {last} was announced"));
+            return Err(format!("two nodes have the number {number}"));
         }
-        if let Numbers::Listed(list) = &self.numbers {
-            let count = list.len();
-            if largest - least > SPARSEST * count + SPAN_ALWAYS {
-                return Err(format!("the {count} nodes are numbered from {least} to {largest}: renumber them in Gmsh"));
-            }
-            let mut indices = vec![ABSENT; largest - least + 1];
-            for (index, number) in list.iter().enumerate() {
-                let place = &mut indices[*number as usize - least];
-                if *place != ABSENT {
-                    return Err(format!("two nodes have the number {number}"));
-                }
-                *place = index as u32;
-            }
-            self.numbers = Numbers::Table { first: least, count, indices };
-        }
-        let count = self.count();
-        if let Some(of_nodes) = &mut self.use_ {
-            *of_nodes = Use { states: vec![State::Unused; count], joined: (0..count as u32).collect() };
-        }
+        self.is_used.push(false);
         Ok(())
     }
 
-    /// Number of nodes.
-    pub fn count(&self) -> usize {
-        match &self.numbers {
-            Numbers::Consecutive { count, .. } | Numbers::Table { count, .. } => *count,
-            Numbers::Listed(list) => list.len(),
-        }
+    /// Returns the index of the node of an element, and notes its use; `None` if no node has this number.
+    pub fn take(&mut self, number: usize) -> Option<u32> {
+        let index = match &self.indices {
+            Some(indices) => *indices.get(&number)?,
+            None => number.checked_sub(self.first).filter(|index| *index < self.is_used.len())? as u32,
+        };
+        self.is_used[index as usize] = true;
+        Some(index)
     }
 
-    /// Returns the index of a node used by an element; `None` if no node has this number.
-    pub fn find(&self, number: usize) -> Option<u32> {
-        match &self.numbers {
-            Numbers::Consecutive { first, count } => {
-                number.checked_sub(*first).filter(|index| index < count).map(|index| index as u32)
-            }
-            Numbers::Table { first, indices, .. } => {
-                indices.get(number.checked_sub(*first)?).copied().filter(|index| *index != ABSENT)
-            }
-            Numbers::Listed(_) => None,
-        }
-    }
-
-    /// Notes that an element, which may be a cell or not, uses these existing nodes.
-    pub fn use_in(&mut self, corners: &[u32], is_cell: bool) {
-        let Some(of_nodes) = &mut self.use_ else { return };
-        let state = if is_cell { State::InCell } else { State::Loose };
-        for corner in corners {
-            let known = &mut of_nodes.states[*corner as usize];
-            if *known < state {
-                *known = state;
-            }
-        }
-        if is_cell {
-            of_nodes.join(corners);
-        }
-    }
-
-    /// Returns the number of parts of the body that share no node, and 0 on ranks that do not find this out. There must
-    /// be cells. A node used only by elements other than cells is an error, because it would be a vertex without
-    /// stiffness. The record of the nodes' use is dropped here.
-    pub fn judge(&mut self) -> Result<usize, String> {
-        let Some(Use { states, joined }) = self.use_.take() else { return Ok(0) };
-        if !states.contains(&State::InCell) {
-            return Err("the mesh has no cells: a solid needs tetrahedra or hexahedra".to_owned());
-        }
-        if let Some(index) = states.iter().position(|state| *state == State::Loose) {
-            let number = match &self.numbers {
-                Numbers::Table { first, indices, .. } => {
-                    first + indices.iter().position(|known| *known as usize == index).unwrap_or_default()
-                }
-                Numbers::Consecutive { first, .. } => first + index,
-                Numbers::Listed(_) => index,
-            };
-            return Err(format!(
-                "node {number} belongs to a point, line or surface but to no cell: save without Mesh.SaveAll"
-            ));
-        }
-        Ok((0..states.len()).filter(|&i| states[i] == State::InCell && joined[i] as usize == i).count())
+    /// Returns the number of a node that belongs to an element but to none of these `cells`.
+    pub fn find_loose(&self, cells: impl IntoIterator<Item = usize>) -> Option<usize> {
+        let mut is_loose = self.is_used.clone();
+        cells.into_iter().for_each(|index| is_loose[index] = false);
+        let loose = is_loose.iter().position(|is_loose| *is_loose)?;
+        let listed = self.indices.iter().flatten().find(|(_, index)| **index as usize == loose);
+        Some(listed.map_or(self.first + loose, |(number, _)| *number))
     }
 }
 
-impl Use {
-    fn join(&mut self, corners: &[u32]) {
-        for pair in corners.windows(2) {
-            let [one, other] = [pair[0], pair[1]].map(|index| self.root(index));
-            self.joined[one.max(other) as usize] = one.min(other);
-        }
-    }
-
-    fn root(&mut self, mut index: u32) -> u32 {
-        while self.joined[index as usize] != index {
-            // Path halving: each node on the way is linked closer to the root.
-            self.joined[index as usize] = self.joined[self.joined[index as usize] as usize];
-            index = self.joined[index as usize];
+/// Number of parts among `count` nodes that share none, where each of these lists of nodes joins its own; nodes in no
+/// list are not counted.
+pub(super) fn count_parts<'a>(count: usize, lists: impl Iterator<Item = &'a [crate::Int]>) -> usize {
+    // Each node refers to another one of its part, and the root of a part to itself.
+    let mut parents: Vec<usize> = (0..count).collect();
+    let mut is_listed = vec![false; count];
+    let mut find_root = |parents: &mut Vec<usize>, node: crate::Int| {
+        let mut index = node as usize;
+        is_listed[index] = true;
+        while parents[index] != index {
+            // Each node on the way is linked closer to the root.
+            parents[index] = parents[parents[index]];
+            index = parents[index];
         }
         index
+    };
+    for list in lists {
+        for pair in list.windows(2) {
+            let [one, other] = [pair[0], pair[1]].map(|node| find_root(&mut parents, node));
+            parents[one.max(other)] = one.min(other);
+        }
     }
+    (0..count).filter(|&index| is_listed[index] && parents[index] == index).count()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Nodes;
+    use super::{Nodes, count_parts};
 
     #[test]
     fn numbers_lead_to_places_in_the_file() {
         for numbers in [vec![5, 6, 7, 8], vec![5, 6, 9, 7], vec![9, 2, 4]] {
-            let mut nodes = Nodes::new(false);
-            numbers.iter().for_each(|number| nodes.add(*number));
-            nodes.close(None).unwrap();
-            assert_eq!(nodes.count(), numbers.len());
+            let mut nodes = Nodes::default();
+            numbers.iter().for_each(|number| nodes.add(*number).unwrap());
             for number in 0..20 {
-                assert_eq!(nodes.find(number).map(|i| i as usize), numbers.iter().position(|n| *n == number));
+                assert_eq!(nodes.take(number).map(|i| i as usize), numbers.iter().position(|n| *n == number));
             }
+            assert_eq!(nodes.find_loose([0, 2]), Some(numbers[1]));
+            assert_eq!(nodes.find_loose(0..numbers.len()), None);
+            assert!(nodes.add(numbers[1]).is_err());
         }
+    }
+
+    #[test]
+    fn parts_share_no_node() {
+        let lists: [&[crate::Int]; 4] = [&[0, 3], &[5, 6, 1], &[3, 2], &[1, 8]];
+        assert_eq!(count_parts(9, lists.into_iter()), 2);
     }
 }

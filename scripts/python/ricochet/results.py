@@ -44,7 +44,7 @@ class Run:
         with _open(path) as file:
             if "series/time" not in file:
                 raise ValueError(f"{path} is not a run of ricochet")
-            self.attributes = dict(file.attrs)
+            self.attributes = _attributes(file)
             self.series, self.units = _series(file["series"])
             self.contacts = _table(file["contacts"], CONTACT)
             self.units |= _units(file["contacts"])
@@ -115,11 +115,11 @@ class Sweep:
     def __init__(self, path: Path):
         """Reads the result of `ricochet sweep`. Raises ValueError if the file holds something else."""
         with _open(path) as file:
-            if file.attrs.get("kind") != "sweep":
+            if _attributes(file).get("kind") != "sweep":
                 raise ValueError(f"{path} is not a sweep of ricochet")
             self.path = path
-            self.attributes = dict(file.attrs)
-            self.keys = list(file.attrs["vary"])
+            self.attributes = _attributes(file)
+            self.keys = self.attributes["vary"].splitlines()
             values = file["members/vary"]
             self.varied = {key: _values(values[key]) for key in self.keys}
             self.logarithmic = [key for key in self.keys if values[key].attrs["log"]]
@@ -230,7 +230,7 @@ def _series(group: h5py.Group) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     group.visititems(lambda path, item: data.update({path: item}) if isinstance(item, h5py.Dataset) else None)
     # The time is written last: where a kill fell into that, others are longer.
     rows = len(data["time"])
-    return {path: item[:rows] for path, item in data.items()}, {path: item.attrs["units"] for path, item in data.items()}
+    return {path: item[:rows] for path, item in data.items()}, {path: _attributes(item)["units"] for path, item in data.items()}
 
 
 def _table(group: h5py.Group, columns: list[str]) -> np.ndarray:
@@ -245,8 +245,15 @@ def _table(group: h5py.Group, columns: list[str]) -> np.ndarray:
 
 def _values(data: h5py.Dataset) -> np.ndarray:
     """Numbers, or texts as Python's."""
-    return data[:] if data.dtype.kind in "fiu" else np.array(data.asstr()[:], dtype=object)
+    return data[:] if data.dtype.kind in "fiu" else np.array([text.decode() for text in data[:]], dtype=object)
+
+
+def _attributes(item: h5py.HLObject) -> dict[str, Any]:
+    """Attributes, with texts as Python's; a text beyond the length of an attribute is a dataset of bytes."""
+    found = {name: value.decode() if isinstance(value, bytes) else value for name, value in item.attrs.items()}
+    long = {name: item[name] for name in ("scene", "probes") if isinstance(item, h5py.File) and name in item}
+    return found | {name: data[:].tobytes().decode() for name, data in long.items()}
 
 
 def _units(group: h5py.Group) -> dict[str, str]:
-    return {name: item.attrs["units"] for name, item in group.items() if isinstance(item, h5py.Dataset)}
+    return {name: _attributes(item)["units"] for name, item in group.items() if isinstance(item, h5py.Dataset)}

@@ -18,7 +18,7 @@ use crate::model::{Dynamics, Model};
 use crate::scene::{Geometry, Scene, Source};
 
 use super::follow::Follower;
-use super::interrupt::Interrupt;
+use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::notes::{self, Verdict, verdict};
 use super::{Check, say};
@@ -96,7 +96,7 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
         }
         Err(_) => {
             if bytes.is_some_and(|bytes| bytes <= LARGEST_FILE) {
-                report.measures = Some(Mesh::new(comm, &scene.body)?.measures());
+                report.measures = Some(Mesh::new(comm, &scene.body)?.measures(&scene.impactor));
             }
         }
     }
@@ -128,7 +128,7 @@ fn model(
     bytes: Option<u64>,
     deadline: Option<Instant>,
 ) -> Result<std::result::Result<Model, String>> {
-    let interrupt = Rc::new(Interrupt::on_signals());
+    let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
     let mut follower = Follower::new(comm, interrupt.clone());
     if let Some(deadline) = deadline {
         follower = follower.until(deadline);

@@ -15,7 +15,7 @@ use crate::scene::{Model, Scene, Source, unit};
 use crate::study::limit::{Range, search};
 use crate::study::sweep::written;
 
-use super::interrupt::Interrupt;
+use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::notes::Remark;
 use super::run::{Beginning, Replaced, Written, check_output, solve};
@@ -55,7 +55,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
         note(format_args!("{}", header(&range)));
         Ok(())
     })?;
-    let interrupt = Rc::new(Interrupt::on_signals());
+    let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
     let mut trials: Vec<Trial> = Vec::new();
     let run = |value: f64, discretisation: Option<&Discretisation>| {
         let (scene, source) = at(&source, &range, value)?;

@@ -6,7 +6,8 @@ use crate::mesh::Measures;
 use crate::model;
 use crate::record::stress::contact_beyond_edge;
 use crate::scene::{
-    Contact, Doubt, Geometry, LayerEffect, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
+    Contact, Doubt, Geometry, Impactor, LayerEffect, Load, Model as Theory, STANDARD_GRAVITY, Scene, Scheme, Source,
+    doubts, face_names, one_digit,
 };
 use crate::scheme::critical_frequency;
 use crate::space::plate::phase;
@@ -42,6 +43,15 @@ const LOST_TENSION: f64 = 0.1;
 /// Smallest part of a table that an impact is expected to use. A smaller part suggests units that differ by a factor of
 /// a thousand.
 const LEAST_OF_TABLE: f64 = 0.01;
+
+/// Peak force of the impactor on a rigid wall over its weight, below which the contact's law is doubtful.
+const LEAST_OVER_WEIGHT: f64 = 0.1;
+
+/// Sine of the angle between the direction of the impactor and the face that is hit, below which it is doubtful.
+const LEAST_STEEPNESS: f64 = 0.1;
+
+/// Curvature of the surface times the radius of the impactor, above which it is told: the force changes by a third of it.
+const CURVED: f64 = 0.02;
 
 /// Temperature outside the usual range of a shift from which there is a note, K. The limits of the range are not sharp.
 const NEAR_RANGE: f64 = 10.0;
@@ -91,6 +101,15 @@ fn smaller_patch(scene: &Scene, patch: &Patch) -> &'static str {
     }
 }
 
+/// Sine of the angle between the impactor's direction and the face that is hit; `None` for a mesh that is not read.
+fn steepness(scene: &Scene, measures: Option<&Measures>) -> Option<f64> {
+    let Geometry::Box { size, .. } = scene.body.geometry else { return measures.map(|measures| measures.steepness) };
+    let Impactor { point, direction, .. } = &scene.impactor;
+    // On an edge of the box, the face that is hit at the larger angle.
+    let is_on_face = |axis: &usize| point[*axis].abs() > 0.5 * (1.0 - 1e-9) * size[*axis];
+    (0..3).filter(is_on_face).map(|axis| -direction[axis] * point[axis].signum()).reduce(f64::max)
+}
+
 /// Warnings about the geometry of a body, its supports, the size of the contact, or the table of the contact law.
 pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     let mut warnings = Vec::new();
@@ -118,6 +137,15 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
         );
         add("units of a table", end / indentation, text);
     }
+    let (impactor, weight) = (&scene.impactor, STANDARD_GRAVITY * scene.impactor.mass);
+    let force = impactor.force_law.force(indentation);
+    if matches!(impactor.force_law, ForceLaw::Table(_) | ForceLaw::Power(_)) && force < LEAST_OVER_WEIGHT * weight {
+        let text = format!(
+            "a rigid wall would stop the impactor with a force of {force:.2e} N, which is far below its weight of {weight:.2e} N: is the \
+             contact's law in m and N?"
+        );
+        add("units of a law", weight / force, text);
+    }
     if scene.output.stress
         && let Some(distance) = scene.hit_near_clamped_edge()
     {
@@ -133,7 +161,31 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     if let Some(text) = tension_of_point_force(scene) {
         add("no radius", 1.0, text);
     }
+    if let Some(steepness) = steepness(scene, measures).filter(|steepness| *steepness < LEAST_STEEPNESS) {
+        let angle = steepness.clamp(-1.0, 1.0).asin().to_degrees();
+        let text = format!(
+            "impactor.direction makes an angle of {angle:.1} degrees with the face that is hit: the contact has no friction, and only the \
+             speed along the direction counts"
+        );
+        add("grazing direction", 1.0 / steepness.max(f64::MIN_POSITIVE), text);
+    }
     let Some(measures) = measures else { return warnings };
+    if let Some(radius) = scene.impactor.radius
+        && matches!(scene.impactor.force_law, ForceLaw::Hertz(_))
+        && (radius * measures.curvature).abs() > CURVED
+    {
+        let (curved, both) = (1.0 / measures.curvature, 1.0 / (1.0 / radius + measures.curvature));
+        let what = if curved > 0.0 { "convex" } else { "concave" };
+        let advice = match both > 0.0 {
+            true => format!("impactor.radius = {both:.4} is the effective radius 1/(1/R + 1/R_body)"),
+            false => "the impactor does not fit into it, and Hertz's law does not hold".to_owned(),
+        };
+        let text = format!(
+            "the surface is {what} at the impact point, with a radius of about {:.4} m, and Hertz's law takes it for a plane: {advice}",
+            curved.abs()
+        );
+        add("curved surface", (radius * measures.curvature).abs(), text);
+    }
     if measures.parts > 1 {
         let text = format!(
             "the mesh has {} parts that share no node: only the one that is hit feels the impact, and parts without supports float freely; \

@@ -20,7 +20,7 @@ use crate::scene::{Contact, Fault, Scene, Source};
 
 use super::super::checkpoint_writer::CheckpointWriter;
 use super::super::follow::Follower;
-use super::super::interrupt::Interrupt;
+use super::super::interrupt::{Ending, Interrupt};
 use super::super::notes::{self, Said};
 use super::super::progress::Progress;
 use super::super::provenance::{model_details, provenance};
@@ -78,7 +78,7 @@ pub(in crate::cli) fn solve(
         odd.iter().for_each(|warning| said.warn(warning));
         said.print(said.len());
     }
-    let interrupt = Rc::new(Interrupt::on_signals());
+    let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
     let follower = Follower::new(comm, interrupt.clone());
     let mut model = Model::watched(comm, scene, &follower)?;
     if let Some(of_theory) = of_theory {
@@ -102,6 +102,7 @@ pub(in crate::cli) fn solve(
     }
     check_strength(scene, &of_root(comm, Some(impact.faces().to_vec())))?;
     provenance.warnings = said.text();
+    interrupt.set(Ending::InOrder);
     let recorder = record(comm, scene, (output, &provenance), beginning, (linearity, said), &mut impact)?;
     let keeping = CheckpointWriter::new(comm, (scene, source.text()), output, &impact);
     let mut watch = Watch { comm: comm.clone(), interrupt, keeping, recorder };

@@ -73,7 +73,8 @@ impl FaceFigure {
     fn draw_cells<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame, scale: &Scale) -> Drawn {
         let (width, height) = (frame.right - frame.left, frame.bottom - frame.top);
         let rows = ROWS;
-        let columns = ((ROWS as f64 * width / height) as usize).max(1);
+        // Points on a line make no face.
+        let columns = ((ROWS as f64 * width / height) as usize).clamp(1, 10 * ROWS);
         let [across, up] = self.surface.ends;
         let between = |(low, high): (f64, f64), part: f64| low + part * (high - low);
         for row in 0..rows {

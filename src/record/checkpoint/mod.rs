@@ -12,12 +12,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use hdf5_metno as hdf5;
-use hdf5_metno::types::VarLenUnicode;
 
 use crate::error::{Error, Result};
 use crate::impact::checkpoint::Checkpoint;
 use crate::record::columns::not_written;
-use crate::record::provenance::{digest, text, write_scalar, write_text};
+use crate::record::provenance::digest;
+use crate::record::storage::{self, long_text, words, write_long_text, write_scalar, write_words};
 use crate::record::target;
 use crate::scene::Vec3;
 
@@ -48,7 +48,7 @@ pub fn beside(result: &Path) -> PathBuf {
 
 /// Whether a checkpoint of the run with this id exists in the folder of a result.
 pub fn is_there(result: &Path, run_id: u64) -> bool {
-    let read = || hdf5::File::open(beside(result))?.attr("run_id")?.read_scalar::<u64>();
+    let read = || storage::open(&beside(result))?.attr("run_id")?.read_scalar::<u64>();
     beside(result).exists() && read().is_ok_and(|there| there == run_id)
 }
 
@@ -59,7 +59,7 @@ pub fn is_there(result: &Path, run_id: u64) -> bool {
 pub fn check_writable(result: &Path) -> Result<()> {
     let path = beside(result);
     let is_one = |file: hdf5::File| file.attr("run_id").is_ok() && file.dataset("names").is_ok();
-    if path.exists() && !hdf5::File::open(&path).is_ok_and(is_one) {
+    if path.exists() && !storage::open(&path).is_ok_and(is_one) {
         return Err(Error::io(&path, "is no checkpoint of a run, so it is not replaced"));
     }
     Ok(())
@@ -86,13 +86,13 @@ impl StoredCheckpoint {
     }
 
     fn write_to(&self, path: &Path) -> hdf5::Result<()> {
-        let file = hdf5::File::create(path)?;
-        write_text(&file, "scene", &self.scene)?;
+        let file = storage::create(path)?;
+        write_long_text(&file, "scene", &self.scene)?;
         write_scalar(&file, "run_id", self.run_id)?;
         write_scalar(&file, "time", self.time)?;
-        let (names, numbers): (Vec<VarLenUnicode>, Vec<f64>) =
-            self.checkpoint.numbers.iter().map(|(name, number)| (name.parse().unwrap_or_default(), *number)).unzip();
-        file.new_dataset_builder().with_data(&names).create("names")?;
+        let (names, numbers): (Vec<&str>, Vec<f64>) =
+            self.checkpoint.numbers.iter().map(|(name, number)| (name.as_str(), *number)).unzip();
+        write_words(&file, "names", names.into_iter())?;
         file.new_dataset_builder().with_data(&numbers).create("numbers")?;
         file.new_dataset_builder().with_data(self.nodes.as_flattened()).create("nodes")?;
         for (group, all) in [("vectors", &self.checkpoint.vectors), ("lists", &self.checkpoint.lists)] {
@@ -149,17 +149,17 @@ impl StoredCheckpoint {
             return Err(Error::io(&path, "is no whole checkpoint"));
         }
         let read = || {
-            let file = hdf5::File::open(&path)?;
-            let names = file.dataset("names")?.read_raw::<VarLenUnicode>()?.into_iter().map(|name| name.to_string());
-            let numbers = names.zip(file.dataset("numbers")?.read_raw::<f64>()?).collect();
+            let file = storage::open(&path)?;
+            let names = words(&file.dataset("names")?)?.ok_or("its names are no words")?;
+            let numbers = names.into_iter().zip(storage::read::<f64>(&file, "numbers")?).collect();
             let all = |group: &str| {
                 let group = file.group(group)?;
-                let values = |name: String| Ok((name.clone(), group.dataset(&name)?.read_raw::<f64>()?));
+                let values = |name: String| Ok((name.clone(), storage::read::<f64>(&group, &name)?));
                 group.member_names()?.into_iter().map(values).collect::<hdf5::Result<_>>()
             };
-            let flat = file.dataset("nodes")?.read_raw::<f64>()?;
+            let flat = storage::read::<f64>(&file, "nodes")?;
             Ok(Self {
-                scene: text(&file, "scene")?,
+                scene: long_text(&file, "scene")?,
                 run_id: file.attr("run_id")?.read_scalar()?,
                 time: file.attr("time")?.read_scalar()?,
                 nodes: flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(),

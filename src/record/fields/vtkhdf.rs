@@ -8,7 +8,7 @@ use hdf5_metno::types::FixedAscii;
 use ndarray::ArrayView2;
 
 use crate::element::Shape;
-use crate::record::provenance::write_text;
+use crate::record::storage::{self, write_text};
 use crate::space::evaluate::{Fields, Grid};
 
 /// Number of frames in a chunk if the number of frames is not planned.
@@ -52,7 +52,7 @@ pub struct VtkHdf {
 impl VtkHdf {
     /// Creates a file with the grid; `planned` is the number of frames if it is known.
     pub fn create(path: &Path, grid: &Grid, planned: Option<usize>) -> hdf5::Result<Self> {
-        let file = hdf5::File::create(path)?;
+        let file = storage::create(path)?;
         let root = file.create_group(GROUP)?;
         let version = root.new_attr::<i64>().shape(2).create("Version")?;
         version.write(&[2_i64, 0])?;
@@ -101,13 +101,13 @@ impl VtkHdf {
 
     /// Opens a file of the same grid to continue it after its frames up to the time `end`, s.
     pub fn reopen(path: &Path, grid: &Grid, end: f64) -> hdf5::Result<Self> {
-        let file = hdf5::File::open_rw(path)?;
+        let file = storage::open_to_write(path)?;
         let root = file.group(GROUP)?;
         let (points, each) = (grid.points.len(), grid.points_each());
         let data = FIELDS.map(|(name, ..)| root.dataset(&format!("PointData/{name}")));
         let data = data.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
         let steps = root.group("Steps")?;
-        let mut times = steps.dataset("Values")?.read_raw::<f64>()?;
+        let mut times = storage::read::<f64>(&steps, "Values")?;
         // The relative tolerance allows for rounding of times that are computed as products.
         times.truncate(times.partition_point(|time| *time <= end * (1.0 + 1e-12)));
         if root.dataset("Points")?.shape() != [points, 3] || data[0].shape()[0] < times.len() * points {

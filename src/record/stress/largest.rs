@@ -1,13 +1,12 @@
 //! Largest tension of a whole run: attributes of the root.
 
 use hdf5_metno as hdf5;
-use hdf5_metno::types::VarLenUnicode;
 use serde::Serialize;
 
 use crate::error::Result;
 use crate::impact::Errors;
 use crate::impact::checkpoint::Visitor;
-use crate::record::provenance::{text, write_scalar, write_text};
+use crate::record::storage::{read_list, text, update_text, write_scalar, write_text_with_room};
 use crate::scene::{Scene, Vec3};
 use crate::space::evaluate::FaceTension;
 
@@ -135,9 +134,8 @@ impl LargestTension {
         for name in NUMBERS {
             write_scalar(root, name, f64::NAN)?;
         }
-        write_text(root, FACE, "")?;
-        for name in [PASSED_FACE, WITHOUT_ESTIMATE, VERDICT] {
-            write_text(root, name, "")?;
+        for name in [FACE, PASSED_FACE, WITHOUT_ESTIMATE, VERDICT] {
+            write_text_with_room(root, name, "", ROOM)?;
         }
         root.new_attr::<f64>().shape(3).create(POINT)?.write(&[f64::NAN; 3])
     }
@@ -150,10 +148,10 @@ impl LargestTension {
         }
         let faces = [(FACE, self.face, self.value), (PASSED_FACE, self.strength_passed_face, self.strength_passed_at)];
         for (attribute, face, known) in faces {
-            set_text(root, attribute, names.get(face).filter(|_| !known.is_nan()).map_or("", String::as_str))?;
+            update_text(root, attribute, names.get(face).filter(|_| !known.is_nan()).map_or("", String::as_str))?;
         }
-        set_text(root, WITHOUT_ESTIMATE, &self.without_estimate)?;
-        set_text(root, VERDICT, self.verdict().map_or("", StrengthVerdict::name))?;
+        update_text(root, WITHOUT_ESTIMATE, &self.without_estimate)?;
+        update_text(root, VERDICT, self.verdict().map_or("", StrengthVerdict::name))?;
         root.attr(POINT)?.write(&self.point)
     }
 
@@ -162,7 +160,7 @@ impl LargestTension {
     pub(in crate::record) fn read(root: &hdf5::Location) -> Option<TensionExtreme> {
         let [value, time, strength_passed_at, error_estimate] =
             NUMBERS.map(|name| root.attr(name).and_then(|attr| attr.read_scalar::<f64>()).unwrap_or(f64::NAN));
-        let point = root.attr(POINT).and_then(|attr| attr.read_raw::<f64>()).ok()?;
+        let point = read_list::<f64>(root, POINT).ok()?;
         let point = [*point.first()?, *point.get(1)?, *point.get(2)?];
         let [face, strength_passed_face, without_estimate, strength_verdict] =
             [FACE, PASSED_FACE, WITHOUT_ESTIMATE, VERDICT].map(|name| text(root, name).unwrap_or_default());
@@ -172,10 +170,8 @@ impl LargestTension {
     }
 }
 
-fn set_text(root: &hdf5::Location, attribute: &str, value: &str) -> hdf5::Result<()> {
-    root.attr(attribute)?.write_scalar(&value.parse::<VarLenUnicode>().unwrap_or_default())
-}
-
+/// Bytes kept for a text that is written at the end: a reason, or the name of a face.
+const ROOM: usize = 500;
 const NUMBERS: [&str; 4] = ["largest_stress", "largest_stress_time", "strength_passed_at", "stress_error_estimate"];
 const FACE: &str = "largest_stress_face";
 const PASSED_FACE: &str = "strength_passed_face";

@@ -10,8 +10,8 @@ use hdf5_metno::plist::dataset_create::AllocTime;
 use ndarray::ArrayView2;
 
 use crate::error::{Error, Result};
-use crate::record::provenance::write_text;
 use crate::record::read::{check_run, open};
+use crate::record::storage::{self, read_list, write_text};
 use crate::scene::{Scene, Symmetry, Vec3};
 use crate::space::evaluate::TensionMap;
 
@@ -142,7 +142,7 @@ impl StressMaps {
         let mut faces = Vec::new();
         for of_face in group.groups()? {
             let name = of_face.name().rsplit('/').next().unwrap_or_default().to_owned();
-            let column = |of: &str| of_face.dataset(of)?.read_raw::<f64>();
+            let column = |of: &str| storage::read::<f64>(&of_face, of);
             let points: Vec<Vec3> = column("points")?.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
             let face = FaceMap { name, points, tension: column("tension")?, time: column("time")? };
             if face.tension.len() != face.points.len() || face.time.len() != face.points.len() {
@@ -151,7 +151,7 @@ impl StressMaps {
             faces.push(face);
         }
         faces.sort_by(|one, other| order(&one.name).cmp(&order(&other.name)));
-        let (hit, mirrored) = (group.attr(HIT)?.read_raw::<f64>()?, group.attr(MIRRORED)?.read_raw::<bool>()?);
+        let (hit, mirrored) = (read_list::<f64>(group, HIT)?, read_list::<bool>(group, MIRRORED)?);
         let three = |name: &str| format!("the attribute {name} of /{STRESS_MAP} has no three entries");
         Ok(Self {
             faces,

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::record::read::{check_run, open};
+use crate::record::storage;
 use crate::scene::Vec3;
 
 use super::{LargestTension, StressMaps, TensionExtreme};
@@ -116,18 +117,18 @@ impl Stresses {
     }
 
     fn of(file: &hdf5::File, group: &hdf5::Group) -> hdf5::Result<Self> {
-        let mut time = file.dataset("series/time")?.read_raw::<f64>()?;
+        let mut time = storage::read::<f64>(&file, "series/time")?;
         let mut faces = Vec::new();
         for of_face in group.groups()? {
             let name = of_face.name().rsplit('/').next().unwrap_or_default().to_owned();
-            let largest = of_face.dataset("largest")?.read_raw::<f64>()?;
-            let points = of_face.dataset("point")?.read_raw::<f64>()?;
+            let largest = storage::read::<f64>(&of_face, "largest")?;
+            let points = storage::read::<f64>(&of_face, "point")?;
             let point: Vec<Vec3> = points.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
             faces.push(Face { name, largest, point });
         }
         faces.sort_by(|one, other| order(&one.name).cmp(&order(&other.name)));
         let mut ring = match group.dataset("ring") {
-            Ok(dataset) => dataset.read_raw::<f64>()?,
+            Ok(dataset) => storage::values(&dataset)?,
             Err(_) => Vec::new(),
         };
         let lengths = faces.iter().flat_map(|face| [face.largest.len(), face.point.len()]);

@@ -6,7 +6,7 @@ use hdf5_metno::plist::dataset_create::FillTime;
 use ndarray::ArrayView2;
 
 use crate::impact::step::Step;
-use crate::record::provenance::write_text;
+use crate::record::storage::{self, write_text};
 use crate::scene::Vec3;
 use crate::space::evaluate::FaceTension;
 
@@ -86,7 +86,7 @@ pub(in crate::record) fn rings(of: &Faces, steps: &[Step]) -> Vec<f64> {
 pub(in crate::record) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<FaceTension>>> {
     let mut all = vec![Vec::with_capacity(names.len()); rows];
     for name in names {
-        let column = |of: &str| file.dataset(&format!("{GROUP}/{name}/{of}"))?.read_raw::<f64>();
+        let column = |of: &str| storage::read::<f64>(&file, &format!("{GROUP}/{name}/{of}"));
         let (largest, points) = (column("largest")?, column("point")?);
         if largest.len() < rows || points.len() < 3 * rows {
             return Err(format!("/{GROUP}/{name} has {} rows, and its checkpoint {rows}", largest.len()).into());

@@ -4,10 +4,9 @@ use super::member::Quantity;
 use super::write::{KIND, Message};
 use super::{Header, Values};
 use crate::record::columns::{CONTACTS, new_datasets};
-use crate::record::provenance::{write_scalar, write_text};
+use crate::record::storage::{self, write_long_text, write_scalar, write_text, write_words};
 use hdf5_metno as hdf5;
 use hdf5_metno::plist::dataset_create::FillTime;
-use hdf5_metno::types::VarLenUnicode;
 use std::path::Path;
 
 /// Number of contacts reserved for each member; minimum and maximum number of contacts in a chunk.
@@ -21,11 +20,10 @@ pub(super) fn chunk(members: usize) -> usize {
 
 /// Creates the file at `path` with its attributes and all its datasets.
 pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
-    let (file, members) = (hdf5::File::create(path)?, header.members());
+    let (file, members) = (storage::create(path)?, header.members());
     for (name, text) in [
         ("kind", KIND),
         ("title", &header.title),
-        ("scene", &header.scene),
         ("version", &header.version),
         ("commit", &header.commit),
         ("petsc_version", &header.petsc_version),
@@ -33,27 +31,22 @@ pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     ] {
         write_text(&file, name, text)?;
     }
+    write_long_text(&file, "scene", &header.scene)?;
+    // A name in each line.
+    write_long_text(&file, "probes", &header.probes.join("\n"))?;
+    let paths: Vec<&str> = header.keys.iter().map(|key| key.path.as_str()).collect();
+    write_text(&file, "vary", &paths.join("\n"))?;
     write_scalar(&file, "ranks", header.ranks as u64)?;
     write_scalar(&file, "series", header.has_series)?;
     write_scalar(&file, "complete", false)?;
-    let names = header.probes.iter().map(|name| word(name)).collect::<hdf5::Result<Vec<_>>>()?;
-    // HDF5 attributes cannot be empty.
-    if !names.is_empty() {
-        file.new_attr::<VarLenUnicode>().shape(names.len()).create("probes")?.write(&names)?;
-    }
     if let Some((i, n)) = header.shard {
         file.new_attr::<u64>().shape(2).create("shard")?.write(&[i as u64, n as u64])?;
     }
-    let paths = header.keys.iter().map(|key| word(&key.path)).collect::<hdf5::Result<Vec<_>>>()?;
-    file.new_attr::<VarLenUnicode>().shape(paths.len()).create("vary")?.write(&paths)?;
     for key in &header.keys {
         let (path, new) = (format!("members/vary/{}", key.path), file.new_dataset_builder());
         let dataset = match &key.values {
             Values::Numbers(numbers) => new.with_data(numbers).create(path.as_str())?,
-            Values::Words(words) => {
-                let words = words.iter().map(|text| word(text)).collect::<hdf5::Result<Vec<_>>>()?;
-                new.with_data(&words).create(path.as_str())?
-            }
+            Values::Words(words) => write_words(&file, &path, words.iter().map(String::as_str))?,
         };
         write_text(&dataset, "units", &key.units)?;
         write_scalar(&dataset, "log", key.is_log)?;
@@ -78,16 +71,8 @@ pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
 }
 
 /// Creates the dataset of a quantity for all members, filled with NaN.
-pub(super) fn new_quantity(
-    file: &hdf5::File,
-    (_, name, units): &(Quantity, &str, &str),
-    members: usize,
-) -> hdf5::Result<()> {
+fn new_quantity(file: &hdf5::File, (_, name, units): &(Quantity, &str, &str), members: usize) -> hdf5::Result<()> {
     let unknown = vec![f64::NAN; members];
     let dataset = file.new_dataset_builder().with_data(&unknown).create(format!("members/{name}").as_str())?;
     write_text(&dataset, "units", units)
-}
-
-fn word(text: &str) -> hdf5::Result<VarLenUnicode> {
-    text.parse().map_err(|_| format!("{text:?} holds a NUL character").into())
 }

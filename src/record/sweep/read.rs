@@ -6,10 +6,9 @@ use crate::error::{Error, Result};
 use crate::record::columns::{CONTACTS, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
-use crate::record::provenance::text;
 use crate::record::read::open;
+use crate::record::storage::{self, decoded, long_text, read_list, text, words};
 use hdf5_metno as hdf5;
-use hdf5_metno::types::{TypeDescriptor, VarLenUnicode};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -89,7 +88,7 @@ impl Sweep {
         let of_member = self.contacts[from..].iter().take_while(|(member, _)| *member == index);
         member.contacts = of_member.map(|(_, contact)| *contact).collect();
         if self.header.has_series && member.status == Status::Done {
-            let column = |path: &str| self.file.dataset(&series_path(index, path))?.read_raw();
+            let column = |path: &str| storage::read(&self.file, &series_path(index, path));
             member.series = Some(SERIES.iter().map(|column_of| column(column_of.path)).collect::<hdf5::Result<_>>()?);
             let of_probe = |name: &String| probes::read(&self.file, &format!("series/{index}"), name);
             member.probes = self.header.probes.iter().map(of_probe).collect::<hdf5::Result<_>>()?;
@@ -111,33 +110,17 @@ pub(super) fn series_path(index: usize, column: &str) -> String {
 fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let header = header(&file)?;
     let members = header.members();
-    let status: Vec<u8> = file.dataset("members/status")?.read_raw()?;
+    let status: Vec<u8> = storage::read(&file, "members/status")?;
     let status: Vec<Status> = status.into_iter().map(Status::from_number).collect();
-    let of = |(quantity, name, _): &(Quantity, &str, &str)| match (file.dataset(&format!("members/{name}")), quantity) {
-        // Sweeps of earlier versions lack these datasets.
-        (
-            Err(_),
-            Quantity::FirstContactError
-            | Quantity::LargestDeflection
-            | Quantity::DeflectionErrorEstimate
-            | Quantity::DeflectionOverThickness
-            | Quantity::LargestStress
-            | Quantity::LargestStressFace
-            | Quantity::LargestStressTime
-            | Quantity::StrengthPassedAt
-            | Quantity::StrengthVerdict
-            | Quantity::StressErrorEstimate,
-        ) => Ok(vec![f64::NAN; members]),
-        (dataset, _) => dataset?.read_raw::<f64>(),
-    };
+    let of = |(_, name, _): &(Quantity, &str, &str)| storage::read::<f64>(&file, &format!("members/{name}"));
     let quantities = Quantity::ALL.iter().map(of).collect::<hdf5::Result<Vec<_>>>()?;
     let lengths = quantities.iter().map(Vec::len).chain(header.keys.iter().map(|key| key.values.count()));
     if status.len() != members || lengths.into_iter().any(|length| length != members) {
         return Err(format!("its datasets are not of {members} members each").into());
     }
     // After a kill the columns may differ in length; the rows of members that are done are present in all of them.
-    let of_rows: Vec<u64> = file.dataset("contacts/member")?.read_raw()?;
-    let columns = CONTACTS.iter().map(|column| file.dataset(column.path)?.read_raw::<f64>());
+    let of_rows: Vec<u64> = storage::read(&file, "contacts/member")?;
+    let columns = CONTACTS.iter().map(|column| storage::read::<f64>(&file, column.path));
     let columns = columns.collect::<hdf5::Result<Vec<_>>>()?;
     let rows = columns.iter().map(Vec::len).fold(of_rows.len(), usize::min);
     let longest = columns.iter().map(Vec::len).fold(of_rows.len(), usize::max);
@@ -146,48 +129,41 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let mut contacts: Vec<(usize, Episode)> = (0..rows).map(row).filter(is_done).collect();
     let matches_file_contacts = contacts.len() == longest && contacts.is_sorted_by_key(|(member, _)| *member);
     contacts.sort_by_key(|(member, _)| *member);
-    let messages = (0..).zip(file.dataset("members/message")?.read_raw::<Message>()?);
-    let messages = messages.filter(|(_, message)| !message.is_empty()).map(|(n, message)| (n, message.to_string()));
-    let messages = messages.collect();
+    let messages = (0..).zip(storage::read::<Message>(&file, "members/message")?);
+    let messages = messages.filter(|(_, message)| !message.as_bytes().is_empty());
+    let messages = messages.map(|(n, message)| Ok((n, decoded(message.as_bytes())?))).collect::<hdf5::Result<_>>()?;
     let path = path.to_owned();
     Ok(Sweep { header, status, quantities, contacts, matches_file_contacts, messages, path, file })
 }
 
 fn header(file: &hdf5::File) -> hdf5::Result<Header> {
     let number = |name: &str| file.attr(name)?.read_scalar::<u64>().map(|number| number as usize);
-    let paths: Vec<VarLenUnicode> = file.attr("vary")?.read_raw()?;
-    let shard = match file.attr("shard") {
-        Ok(shard) => match shard.read_raw::<u64>()?[..] {
-            [i, n] => Some((i as usize, n as usize)),
-            _ => return Err("its shard is not i of n".into()),
-        },
-        Err(_) => None,
+    let lines = |text: String| -> Vec<String> { text.lines().map(str::to_owned).collect() };
+    let shard = match read_list::<u64>(file, "shard").ok().as_deref() {
+        None => None,
+        Some([i, n]) if (1..=*n).contains(i) => Some((*i as usize, *n as usize)),
+        Some(_) => return Err("its shard is not i of n".into()),
     };
     Ok(Header {
         title: text(file, "title")?,
-        scene: text(file, "scene")?,
+        scene: long_text(file, "scene")?,
         version: text(file, "version")?,
         commit: text(file, "commit")?,
         petsc_version: text(file, "petsc_version")?,
         petsc_options: text(file, "petsc_options")?,
         ranks: number("ranks")?,
-        keys: paths.iter().map(|path| key(file, path)).collect::<hdf5::Result<_>>()?,
+        keys: lines(text(file, "vary")?).iter().map(|path| key(file, path)).collect::<hdf5::Result<_>>()?,
         has_series: file.attr("series")?.read_scalar()?,
-        probes: match file.attr("probes") {
-            Ok(names) => names.read_raw::<VarLenUnicode>()?.iter().map(ToString::to_string).collect(),
-            Err(_) => Vec::new(),
-        },
+        probes: lines(long_text(file, "probes")?),
         shard,
     })
 }
 
 fn key(file: &hdf5::File, path: &str) -> hdf5::Result<Key> {
     let dataset = file.dataset(&format!("members/vary/{path}"))?;
-    let values = match dataset.dtype()?.to_descriptor()? {
-        TypeDescriptor::VarLenUnicode => {
-            Values::Words(dataset.read_raw::<VarLenUnicode>()?.iter().map(|word| word.to_string()).collect())
-        }
-        _ => Values::Numbers(dataset.read_raw()?),
+    let values = match words(&dataset)? {
+        Some(words) => Values::Words(words),
+        None => Values::Numbers(storage::values(&dataset)?),
     };
     Ok(Key {
         path: path.to_owned(),

@@ -7,7 +7,7 @@
 //! anything is written, and after an error nothing more is written.
 
 use super::Header;
-use super::begin::{begin, chunk, new_quantity};
+use super::begin::{begin, chunk};
 use super::member::{Member, Quantity, Status};
 use super::read::{Sweep, series_path};
 use super::room;
@@ -16,7 +16,7 @@ use crate::record::columns::{CONTACTS, SERIES, append, not_written};
 use crate::record::episodes::Episode;
 use crate::record::lock::Lock;
 use crate::record::probes;
-use crate::record::provenance::write_text;
+use crate::record::storage::{self, write_text};
 use crate::record::target;
 use hdf5_metno as hdf5;
 use hdf5_metno::types::FixedUnicode;
@@ -118,23 +118,9 @@ impl SweepWriter {
     }
 
     fn resume(path: &Path, header: &Header, lock: Lock) -> Result<Self> {
-        let file = hdf5::File::open_rw(path).map_err(|error| not_written(path, &error))?;
+        let file = storage::open_to_write(path).map_err(|error| not_written(path, &error))?;
         let sweep = Sweep::of(path, file)?;
         header.check_same(&sweep.header).map_err(|why| Error::io(path, format!("{why}: choose another file")))?;
-        // Quantities that an earlier version did not store.
-        let is_missing = |name: &str| !sweep.file().link_exists(&format!("members/{name}"));
-        let missing: Vec<_> = Quantity::ALL.iter().filter(|(_, name, _)| is_missing(name)).collect();
-        let file = if missing.is_empty() {
-            sweep.file().clone()
-        } else {
-            let new = |file: &hdf5::File| {
-                missing.iter().try_for_each(|quantity| new_quantity(file, quantity, header.members()))?;
-                file.flush()
-            };
-            let copy = copy_of(path)?;
-            let written = hdf5::File::open_rw(&copy).and_then(|file| new(&file).map(|()| file));
-            replaced(path, &copy, written.map_err(|error| not_written(path, &error)))?
-        };
         Ok(Self {
             path: path.to_owned(),
             header: sweep.header.clone(),
@@ -152,7 +138,7 @@ impl SweepWriter {
             flushed: Instant::now(),
             pause: MIN_FLUSH_INTERVAL,
             has_failed: false,
-            file,
+            file: sweep.file().clone(),
             _lock: lock,
         })
     }
@@ -268,7 +254,7 @@ impl SweepWriter {
             let written = self.write_to(&self.file.clone());
             return self.noted(written);
         };
-        let file = hdf5::File::open_rw(&copy);
+        let file = storage::open_to_write(&copy);
         let written = file.and_then(|file| self.write_to(&file).map(|()| file));
         let (written, begun) = (self.noted(written), Instant::now());
         let replaced = replaced(&self.path, &copy, written);
@@ -307,11 +293,6 @@ impl SweepWriter {
             file.dataset("members/message")?.write_slice(&message, index..index + 1)?;
         }
         if let Some(series) = member.series.as_ref().filter(|_| member.status == Status::Done) {
-            let root = file.group("series")?;
-            // A killed process of an earlier version of ricochet may have left this group.
-            if root.link_exists(&index.to_string()) {
-                root.unlink(&index.to_string())?;
-            }
             for (values, column) in series.iter().zip(&SERIES) {
                 let path = series_path(index, column.path);
                 let dataset = file.new_dataset_builder().with_data(values).create(path.as_str())?;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::super::doubts::{HOT, in_celsius};
 use super::super::raw::{self, Term};
 use super::super::values::{FileOrTerms, Number};
 use super::super::{SceneError, Source};
@@ -9,6 +10,9 @@ use super::numbers::show;
 use super::table;
 use crate::form;
 use crate::material::{self, Material, Maxwell, Wlf};
+
+/// Most terms of a relaxation; the work grows with their cube.
+const MOST_TERMS: usize = 200;
 
 /// Expected contents of a file of relaxation terms.
 const HELP_OF_FILE: &str = "a file with lines of time (s) and modulus (Pa), the times ascending";
@@ -139,7 +143,10 @@ fn shift(source: &Source, path: &str, wlf: Option<Wlf>, temperature: Option<f64>
     wlf.log_shift(temperature).ok_or_else(|| {
         let message =
             format!("at {} °C and below, `{path}.wlf` has no value: its pole is reference - c2", show(wlf.pole()));
-        source.error("body.temperature", message, "a temperature in °C well above that")
+        match wlf.reference > HOT {
+            true => source.error(&format!("{path}.wlf.reference"), message, in_celsius(wlf.reference)),
+            false => source.error("body.temperature", message, "a temperature in °C well above that"),
+        }
     })
 }
 
@@ -154,6 +161,10 @@ fn terms(source: &Source, path: &str, given: &Option<FileOrTerms>) -> Result<Vec
     };
     if pairs.is_empty() {
         return Err(source.error(path, "there is no term", "terms, or take it out for an elastic material"));
+    }
+    if pairs.len() > MOST_TERMS {
+        let help = format!("at most {MOST_TERMS}: one or two a decade follow any measurement");
+        return Err(source.error(path, format!("there are {} terms", pairs.len()), help));
     }
     for (number, [time, modulus]) in pairs.iter().enumerate() {
         let key = |name: &str| if is_file { path.to_owned() } else { format!("{path}.{number}.{name}") };

@@ -33,6 +33,9 @@ pub(super) use material::with_series;
 pub use numbers::one_digit;
 pub(super) use numbers::show;
 
+/// Most supports of a scene.
+const MOST_SUPPORTS: usize = 500;
+
 /// Checks a source and returns its scene. Mesh files are relative to `folder`.
 ///
 /// # Errors
@@ -43,6 +46,14 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     let order = body::order(source, &raw.body)?;
     let outline = body::outline(source, &raw.body, folder)?;
     let Struck { composition, stiffness_key, density_key } = materials.struck(source, &raw, &outline)?;
+    if raw.support.0.len() > MOST_SUPPORTS {
+        let message = format!("there are {} supports", raw.support.0.len());
+        return Err(source.error("support", message, format!("at most {MOST_SUPPORTS}")));
+    }
+    if raw.support.0.len() > MOST_SUPPORTS {
+        let message = format!("there are {} supports", raw.support.0.len());
+        return Err(source.error("support", message, format!("at most {MOST_SUPPORTS}")));
+    }
     let supports = raw
         .support
         .0

@@ -1,7 +1,7 @@
 //! Checks the output: how often results are written, and at which points of the body.
 
 use super::super::values::{Number, Whole};
-use super::super::{Output, Probe, SceneError, Source, Vec3, faces, raw};
+use super::super::{Output, Probe, SceneError, Source, Vec3, faces, is_name_of_result, raw};
 use super::body::Outline;
 use super::numbers::show;
 
@@ -46,7 +46,7 @@ pub(super) fn check(source: &Source, raw: &raw::Scene, outline: &Outline) -> Res
 fn name(source: &Source, number: usize, name: &str, before: &[Probe]) -> Result<String, SceneError> {
     let path = format!("output.probes.{number}.name");
     let help = "a name of its own, without \"/\": results have it as /series/probe/<name>";
-    if name.is_empty() || name == "." || name.contains('/') || name.contains(char::is_control) {
+    if !is_name_of_result(name) {
         return Err(source.error(&path, format!("{name:?} cannot be the name of a probe"), help));
     }
     if before.iter().any(|probe| probe.name == name) {

@@ -19,10 +19,10 @@ pub use facets::{FacetRule, FiniteElements};
 pub use points::Nodes;
 pub use recovery::Recovery;
 
-use petsc_wrap::{Insert, NullSpace, Vector};
+use petsc_wrap::{Insert, Int, NullSpace, Vector};
 
 use super::{Space, SurfaceTerms};
-use crate::body::{Body, Lumped, Pads, Relaxation, deviates};
+use crate::body::{Body, Lumped, Pads, Relaxation, deviates, memory};
 use crate::contact::Localization;
 use crate::description::{Description, region};
 use crate::error::Result;
@@ -59,6 +59,12 @@ impl Body {
         let description = Description::new(scene);
         let graph = node_graph(&mesh.comm, mesh.owned_nodes, &mesh.cells, 0..mesh.cells.len())?;
         let of_nodes = mass_by_node(&description.parts, mesh, graph)?;
+        // K, M and S: nine entries for each pair of nodes, with their column numbers.
+        let bytes = 3.0 * 9.0 * of_nodes.entries()? as f64 * (size_of::<f64>() + size_of::<Int>()) as f64;
+        let what = format!("the matrices of {} unknowns", 3 * mesh.nodes);
+        let help = "a coarser mesh, or a box without `cells`, for which plates and splines are tried";
+        let bytes = bytes / mesh.comm.size() as f64;
+        memory::check(Some(&mesh.comm), memory::Need { bytes, what: &what, key: "body.mesh", help })?;
         let of_components = Components::new(&of_nodes)?;
         let elastic = stiffness(&description.parts, mesh, of_components.zeros()?)?;
         let mass = of_components.like(&elastic)?;
@@ -169,7 +175,11 @@ fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
                 Geometry::Gmsh(path) => format!(" {}", path.display()),
                 Geometry::Box { .. } => String::new(),
             };
-            return Err(Fault::new(key, format!("the mesh{file} has no surface {name:?}"), help).into());
+            let message = match mesh.unusable_surfaces.get(name) {
+                Some(reason) => format!("the surface {name:?} of the mesh{file} {reason}"),
+                None => format!("the mesh{file} has no surface {name:?}"),
+            };
+            return Err(Fault::new(key, message, help).into());
         }
     }
     Ok(())

@@ -185,8 +185,8 @@ fn refusals(session: &Session) {
         ("prism", prism, "body.mesh", "tetrahedra"),
         ("mixed", mixed, "body.mesh", "mixes shapes: 1 tetrahedra"),
         ("flat", flat, "body.mesh", ""),
-        ("inside", inside, "body.mesh", "inside the body"),
-        ("unnamed", unnamed, "support.0.surface", "no surface \"top\""),
+        ("inside", inside, "support.0.surface", "inside the body"),
+        ("unnamed", unnamed, "support.0.surface", "\"top\" of the mesh"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let fault = refusal(&session.world(), &write(&folder, &text), name);
