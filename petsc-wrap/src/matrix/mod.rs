@@ -233,11 +233,11 @@ impl MatrixView {
     /// rank may give any rows. Collective.
     ///
     /// # Errors
-    /// If a row is out of range, the matrix is not square, assembled and AIJ, or a PETSc call fails.
+    /// If a row is out of range (on all ranks), the matrix is not square, assembled and AIJ, or a PETSc call fails.
     pub fn zero_rows_columns(&mut self, rows: &[Int], diagonal: f64) -> Result<()> {
         self.require_assembled_aij()?;
         self.require_square()?;
-        check_indices(rows, self.size().0)?;
+        self.comm().agree(check_indices(rows, self.size().0))?;
         self.set_option(sys::MatOption::MAT_KEEP_NONZERO_PATTERN)?;
         let (n, none) = (int(rows.len())?, std::ptr::null_mut());
         // SAFETY: the slice holds `n` rows; no vectors are given.
