@@ -278,12 +278,12 @@ impl KspView {
     pub fn solve(&mut self, b: &VectorView, x: &mut VectorView) -> Result<()> {
         self.require_fit(b, x)?;
         let raw = self.raw();
-        let own = OwnMemory::where_read(b)?;
-        // SAFETY: all are valid and of one layout, and x is not b by the borrow rules. With some options PETSc writes
-        // to b and later restores it. No reader sees b meanwhile, because b has another memory than the one that is
-        // read.
-        let solved = check(unsafe { sys::KSPSolve(raw, b.raw(), x.raw()) });
-        drop(own);
+        // With some options PETSc writes to the right-hand side and later restores it. Others may be reading b.
+        let mut own = b.duplicate()?;
+        own.copy_from(b)?;
+        // SAFETY: all are valid, different and of one layout.
+        let solved = check(unsafe { sys::KSPSolve(raw, own.raw(), x.raw()) });
+        own.destroy()?;
         solved?;
         let mut reason = sys::KSPConvergedReason(0);
         // SAFETY: the solver is valid and has solved.
@@ -329,35 +329,6 @@ impl KspView {
     pub fn iterations(&self) -> Result<usize> {
         // SAFETY: the solver is valid.
         unsafe { iterations_of(self.raw()) }
-    }
-}
-
-/// Temporary memory for a vector's entries, used while a read guard looks at the original memory.
-struct OwnMemory<'a> {
-    vector: &'a VectorView,
-    /// Used by PETSc while this lives.
-    _entries: Vec<f64>,
-}
-
-impl<'a> OwnMemory<'a> {
-    /// Gives the vector temporary memory if someone reads it; costs nothing otherwise. Not collective, since only other
-    /// ranks may have readers.
-    fn where_read(vector: &'a VectorView) -> Result<Option<Self>> {
-        if !vector.is_read() {
-            return Ok(None);
-        }
-        let mut entries = vector.read()?.to_vec();
-        // SAFETY: the memory has the size of the vector, and stays until `drop` gives the vector its original memory
-        // back.
-        check(unsafe { sys::VecPlaceArray(vector.raw(), entries.as_mut_ptr()) })?;
-        Ok(Some(Self { vector, _entries: entries }))
-    }
-}
-
-impl Drop for OwnMemory<'_> {
-    fn drop(&mut self) {
-        // SAFETY: the vector is valid. An error cannot be returned from here and is ignored.
-        unsafe { sys::VecResetArray(self.vector.raw()) };
     }
 }
 
