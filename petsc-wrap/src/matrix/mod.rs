@@ -106,7 +106,9 @@ impl MatrixView {
     pub(crate) fn require_aij(&self) -> Result<()> {
         // SAFETY: the matrix is valid.
         let name = unsafe { type_name(self.raw()) }?;
-        require(is_name_of_aij(&name), &format!("not for matrices of type {name:?}, only for AIJ"))
+        // An option can choose a variant, whose name begins with the same letters.
+        let is_aij = ["seqaij", "mpiaij"].iter().any(|aij| name.starts_with(aij));
+        require(is_aij, &format!("not for matrices of type {name:?}, only for AIJ"))
     }
 
     pub(crate) fn require_assembled_aij(&self) -> Result<()> {
@@ -295,19 +297,4 @@ unsafe fn type_name(matrix: sys::Mat) -> Result<String> {
     check(unsafe { sys::MatGetType(matrix, &raw mut name) })?;
     // SAFETY: the name is static or null.
     Ok(unsafe { from_c(name) })
-}
-
-/// Whether a type is AIJ or one of its variants, whose names begin with the same letters and which an option can
-/// choose.
-fn is_name_of_aij(name: &str) -> bool {
-    ["seqaij", "mpiaij"].iter().any(|aij| name.starts_with(aij))
-}
-
-/// Whether a matrix is stored by rows, with single entries (AIJ).
-///
-/// # Safety
-/// The matrix is valid.
-pub(crate) unsafe fn is_aij(matrix: sys::Mat) -> Result<bool> {
-    // SAFETY: guaranteed by the caller.
-    Ok(is_name_of_aij(&unsafe { type_name(matrix) }?))
 }
