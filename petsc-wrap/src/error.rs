@@ -18,7 +18,7 @@ pub enum Error {
     /// A call returned an error code.
     #[error("{message} (PETSc error {code} in {}, called at {location})", function(frames))]
     Petsc {
-        /// PETSc's error code.
+        /// PETSc's error code; 8383 if a closure has failed.
         code: i32,
         /// PETSc's message.
         message: String,

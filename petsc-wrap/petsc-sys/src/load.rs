@@ -36,9 +36,9 @@ pub fn load() -> Result<&'static Library, String> {
         // SAFETY: this is PETSc's library, or one of the same name, like the linker would take. It and the libraries
         // that it needs may be loaded at any time: while loading, they only initialise themselves.
         let library = unsafe { libloading::Library::new(file) }.map_err(|error| error.to_string());
-        // SAFETY: the functions that are in the library have the types of the bindings, after the check.
         let bound = library.and_then(|library| {
             check(&library)?;
+            // SAFETY: after the check, the library's functions have the types of the bindings.
             unsafe { Library::from_library(library) }.map_err(|error| error.to_string())
         });
         bound.map(Loaded).map_err(|error| {
