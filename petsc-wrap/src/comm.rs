@@ -8,7 +8,7 @@ use mpi::topology::{CommunicatorRelation, SimpleCommunicator};
 use mpi::traits::{AsRaw, Communicator, CommunicatorCollectives, Equivalence, Root};
 use petsc_sys as sys;
 
-use crate::error::{Result, check};
+use crate::error::{Result, check, require};
 use crate::session::Session;
 
 /// An MPI communicator that keeps MPI and PETSc alive; cheap to clone.
@@ -99,6 +99,14 @@ impl Comm {
         self.mpi.all_reduce_into(&mine, &mut most, SystemOperation::max());
         assert_eq!(least, most, "a rank has not as many values as another");
         self.mpi.process_at_rank(0).broadcast_into(values);
+    }
+
+    /// Returns this rank's error or, if only other ranks have one, an error that says so. Collective: without it, the
+    /// ranks without an error would wait in PETSc's next collective call for the others.
+    pub(crate) fn agree(&self, mine: Result<()>) -> Result<()> {
+        let (has_failed, mut any) = (u8::from(mine.is_err()), 0_u8);
+        self.mpi.all_reduce_into(&has_failed, &mut any, SystemOperation::max());
+        mine.and_then(|()| require(any == 0, "another rank has refused its arguments"))
     }
 
     /// Destroys the objects whose handles were dropped. Collective.

@@ -18,7 +18,7 @@ pub enum Error {
     /// A call returned an error code.
     #[error("{message} (PETSc error {code} in {}, called at {location})", function(frames))]
     Petsc {
-        /// PETSc's error code.
+        /// PETSc's error code; 8383 if a closure has failed.
         code: i32,
         /// PETSc's message.
         message: String,
@@ -115,8 +115,8 @@ thread_local! {
     static TRACE: RefCell<Trace> = RefCell::default();
 }
 
-/// PETSC_ERR_USER: the code that PETSc receives for an error in a closure.
-pub(crate) const USER_ERROR: sys::PetscErrorCode = 83;
+/// The code that PETSc receives for an error in a closure, and passes on. It is none of PETSc's own.
+pub(crate) const CLOSURE_ERROR: sys::PetscErrorCode = 8383;
 
 /// Turns a return code into a result; an error takes the recorded message and frames with it.
 #[track_caller]
@@ -145,6 +145,9 @@ pub(crate) fn require(holds: bool, message: &str) -> Result<()> {
 
 /// PETSc's one-line text for a code.
 fn generic(code: sys::PetscErrorCode) -> String {
+    if code == CLOSURE_ERROR {
+        return "a closure that PETSc called has failed".to_owned();
+    }
     let mut text = std::ptr::null();
     // SAFETY: the out-pointer is valid.
     unsafe { sys::PetscErrorMessage(code, &raw mut text, std::ptr::null_mut()) };

@@ -29,7 +29,8 @@ impl Factor {
     ///
     /// # Errors
     /// If a PETSc call fails.
-    pub fn is_known(self, _session: &Session, package: &str, matrix_type: &str) -> Result<bool> {
+    pub fn is_known(self, session: &Session, package: &str, matrix_type: &str) -> Result<bool> {
+        session.petsc()?;
         let (package, matrix_type, none) = (to_c(package), to_c(matrix_type), std::ptr::null_mut());
         let mut is_there = sys::FALSE;
         // PETSc registers the packages only when its matrix classes are initialised, which would otherwise happen with

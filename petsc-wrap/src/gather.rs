@@ -36,10 +36,10 @@ impl Gather {
     /// own list. Collective.
     ///
     /// # Errors
-    /// If an index is out of range, or if a PETSc call fails.
+    /// If an index is out of range (on all ranks), or if a PETSc call fails.
     pub fn new(like: &VectorView, indices: &[Int]) -> Result<Self> {
-        check_indices(indices, like.len())?;
         let comm = like.comm();
+        comm.agree(check_indices(indices, like.len()))?;
         let here = Vector::new(&comm.session().alone(), indices.len())?;
         let mut set = std::ptr::null_mut();
         let copy = sys::PetscCopyMode::PETSC_COPY_VALUES;

@@ -6,11 +6,11 @@ use crate::Int;
 use crate::comm::Comm;
 use crate::error::{Diverged, Error, Result, check, require};
 use crate::layout::Layout;
-use crate::matrix::{MatrixView, is_aij};
+use crate::matrix::{Matrix, MatrixView};
 use crate::object::{Lent, Object, viewed};
 use crate::pc::Pc;
 use crate::shell::SHELL;
-use crate::text::{from_c, int, option_name, to_c};
+use crate::text::{from_c, int, option_name, type_name};
 use crate::vector::VectorView;
 
 /// A linear solver with its preconditioner. The view [`KspView`] has its methods.
@@ -105,13 +105,13 @@ impl Ksp {
         Self(unsafe { Object::new(raw, comm) })
     }
 
-    /// A solver that still belongs to another owner.
+    /// A solver that belongs to a nonlinear solver.
     ///
     /// # Safety
     /// Same as [`Self::from_raw`], except that the owner keeps the reference during `'a`.
-    pub(crate) unsafe fn lent<'a>(raw: sys::KSP, comm: &Comm) -> Lent<'a, Self> {
+    pub(crate) unsafe fn lent<'a>(raw: sys::KSP, owner: &'a Object<sys::_p_SNES>) -> Lent<'a, Self> {
         // SAFETY: guaranteed by the caller.
-        Lent::new(Self(unsafe { Object::lent(raw, comm) }))
+        Lent::new(Self(unsafe { Object::lent(raw, owner.comm()) }.part_of(owner)))
     }
 
     /// Destroys the solver and its factor immediately. Collective.
@@ -124,13 +124,13 @@ impl Ksp {
 }
 
 impl KspView {
-    fn raw(&self) -> sys::KSP {
-        self.inner().raw()
+    fn raw(&self) -> Result<sys::KSP> {
+        self.inner().whole()
     }
 
     /// The raw handle. It is valid while `self` lives.
     pub fn as_raw(&self) -> sys::KSP {
-        self.raw()
+        self.inner().raw()
     }
 
     /// The communicator of this object.
@@ -145,7 +145,7 @@ impl KspView {
     pub fn set_options_prefix(&mut self, prefix: &str) -> Result<()> {
         let prefix = option_name(prefix)?;
         // SAFETY: the solver is valid; PETSc copies the string.
-        check(unsafe { sys::KSPSetOptionsPrefix(self.raw(), prefix.as_ptr()) })
+        check(unsafe { sys::KSPSetOptionsPrefix(self.raw()?, prefix.as_ptr()) })
     }
 
     /// Sets the operator of the system, and the matrix from which the preconditioner is made. The solver keeps both. If
@@ -171,20 +171,20 @@ impl KspView {
             layout.require_same(unsafe { self.layout_of(before) }?)?;
         }
         // SAFETY: all are valid; PETSc counts its own references.
-        check(unsafe { sys::KSPSetOperators(self.raw(), operator.raw(), preconditioner.raw()) })
+        check(unsafe { sys::KSPSetOperators(self.raw()?, operator.raw(), preconditioner.raw()) })
     }
 
     /// Returns the operator and the preconditioner's matrix, if they are set.
     fn operators(&self) -> Result<Option<[sys::Mat; 2]>> {
         let (mut has_operator, mut has_matrix) = (sys::FALSE, sys::FALSE);
         // SAFETY: the solver is valid here and below.
-        check(unsafe { sys::KSPGetOperatorsSet(self.raw(), &raw mut has_operator, &raw mut has_matrix) })?;
+        check(unsafe { sys::KSPGetOperatorsSet(self.raw()?, &raw mut has_operator, &raw mut has_matrix) })?;
         if has_operator != sys::TRUE || has_matrix != sys::TRUE {
             return Ok(None);
         }
         let (mut operator, mut matrix) = (std::ptr::null_mut(), std::ptr::null_mut());
         // SAFETY: as above.
-        check(unsafe { sys::KSPGetOperators(self.raw(), &raw mut operator, &raw mut matrix) })?;
+        check(unsafe { sys::KSPGetOperators(self.raw()?, &raw mut operator, &raw mut matrix) })?;
         Ok(Some([operator, matrix]))
     }
 
@@ -200,13 +200,14 @@ impl KspView {
         Ok(unsafe { Layout::from_raw(self.comm(), ranges) })
     }
 
-    /// Chooses the method (`cg`, `gmres`, `preonly`, …).
+    /// Chooses the method: `preonly`, `cg`, `minres`, `gmres`, `fgmres` or `bcgs`.
     ///
     /// # Errors
-    /// If a PETSc call fails, e.g. for an unknown name.
+    /// If the name is another one, or if a PETSc call fails.
     pub fn set_type(&mut self, name: &str) -> Result<()> {
+        let name = type_name(name, &["preonly", "cg", "minres", "gmres", "fgmres", "bcgs"])?;
         // SAFETY: the solver is valid; PETSc copies the string.
-        check(unsafe { sys::KSPSetType(self.raw(), to_c(name).as_ptr()) })
+        check(unsafe { sys::KSPSetType(self.raw()?, name.as_ptr()) })
     }
 
     /// Name of the method; empty if none is chosen.
@@ -216,7 +217,7 @@ impl KspView {
     pub fn type_name(&self) -> Result<String> {
         let mut name = std::ptr::null();
         // SAFETY: the solver is valid.
-        check(unsafe { sys::KSPGetType(self.raw(), &raw mut name) })?;
+        check(unsafe { sys::KSPGetType(self.raw()?, &raw mut name) })?;
         // SAFETY: the name is valid while the solver is, or null.
         Ok(unsafe { from_c(name) })
     }
@@ -231,7 +232,7 @@ impl KspView {
             [tolerances.relative, tolerances.absolute, tolerances.divergence].map(|limit| limit.unwrap_or(same));
         let iterations = tolerances.iterations.map_or(Ok(sys::PETSC_DEFAULT as Int), int)?;
         // SAFETY: the solver is valid.
-        check(unsafe { sys::KSPSetTolerances(self.raw(), relative, absolute, divergence, iterations) })
+        check(unsafe { sys::KSPSetTolerances(self.raw()?, relative, absolute, divergence, iterations) })
     }
 
     /// Sets the norm of the stopping criterion.
@@ -240,7 +241,7 @@ impl KspView {
     /// If a PETSc call fails.
     pub fn set_residual_norm(&mut self, norm: ResidualNorm) -> Result<()> {
         // SAFETY: the solver is valid.
-        check(unsafe { sys::KSPSetNormType(self.raw(), norm.raw()) })
+        check(unsafe { sys::KSPSetNormType(self.raw()?, norm.raw()) })
     }
 
     /// Sets whether a solve starts from the given x (`true`) or from zero.
@@ -249,7 +250,7 @@ impl KspView {
     /// If a PETSc call fails.
     pub fn set_initial_guess_nonzero(&mut self, from_x: bool) -> Result<()> {
         // SAFETY: the solver is valid.
-        check(unsafe { sys::KSPSetInitialGuessNonzero(self.raw(), if from_x { sys::TRUE } else { sys::FALSE }) })
+        check(unsafe { sys::KSPSetInitialGuessNonzero(self.raw()?, if from_x { sys::TRUE } else { sys::FALSE }) })
     }
 
     /// Applies the options database to this solver and its preconditioner. Collective.
@@ -258,7 +259,7 @@ impl KspView {
     /// If a PETSc call fails, e.g. for unknown types among the options.
     pub fn set_from_options(&mut self) -> Result<()> {
         // SAFETY: the solver is valid.
-        check(unsafe { sys::KSPSetFromOptions(self.raw()) })
+        check(unsafe { sys::KSPSetFromOptions(self.raw()?) })
     }
 
     /// The preconditioner.
@@ -267,23 +268,24 @@ impl KspView {
     /// If a PETSc call fails.
     pub fn pc(&mut self) -> Result<Pc<'_>> {
         // SAFETY: the solver is valid, and borrowed by the returned preconditioner.
-        unsafe { Pc::of(self.raw()) }
+        unsafe { Pc::of(self.raw()?) }
     }
 
     /// Solves operator·x = b; factorises again if the matrix has changed. Collective.
     ///
     /// # Errors
-    /// If the solver has no operators, the matrix is not assembled, a vector has another layout, or a PETSc call fails;
-    /// [`Diverged`] with the reason if the solver does not converge.
+    /// If the solver has no operators, the matrix is not assembled, a row has no entry on the diagonal (which `none`,
+    /// `jacobi`, `lu` and `cholesky` do not need), or a vector has another layout. If a PETSc call fails: then the solver
+    /// cannot be used any more. [`Diverged`] with the reason if the solver does not converge.
     pub fn solve(&mut self, b: &VectorView, x: &mut VectorView) -> Result<()> {
         self.require_fit(b, x)?;
-        let raw = self.raw();
-        let own = OwnMemory::where_read(b)?;
-        // SAFETY: all are valid and of one layout, and x is not b by the borrow rules. With some options PETSc writes
-        // to b and later restores it. No reader sees b meanwhile, because b has another memory than the one that is
-        // read.
-        let solved = check(unsafe { sys::KSPSolve(raw, b.raw(), x.raw()) });
-        drop(own);
+        let raw = self.raw()?;
+        // With some options PETSc writes to the right-hand side and later restores it. Others may be reading b.
+        let mut own = b.duplicate()?;
+        own.copy_from(b)?;
+        // SAFETY: all are valid, different and of one layout.
+        let solved = self.inner().solved(unsafe { sys::KSPSolve(raw, own.raw(), x.raw()) });
+        own.destroy()?;
         solved?;
         let mut reason = sys::KSPConvergedReason(0);
         // SAFETY: the solver is valid and has solved.
@@ -313,13 +315,15 @@ impl KspView {
             check(unsafe { sys::MatAssembled(matrix, &raw mut assembled) })?;
             require(assembled == sys::TRUE, "the matrix is not assembled")?;
         }
-        // SAFETY: the solver keeps its matrices.
-        if unsafe { is_aij(operators[1]) }? {
-            return Ok(());
+        // SAFETY: the solver keeps its matrices, which live on its ranks.
+        let matrix = unsafe { Matrix::lent(operators[1], self.comm()) };
+        if matrix.require_aij().is_ok() {
+            // SAFETY: the solver is valid.
+            return unsafe { require_entries(self.raw()?, &matrix) };
         }
-        // SAFETY: the solver is valid.
-        let kind = unsafe { Pc::of(self.raw()) }?.type_name()?;
-        require(kind == SHELL, "the preconditioner is not for matrices of this storage")
+        // SAFETY: as above.
+        let kind = unsafe { Pc::of(self.raw()?) }?.type_name()?;
+        require(kind.as_bytes() == SHELL.to_bytes(), "the preconditioner is not for matrices of this storage")
     }
 
     /// Number of iterations of the last solve.
@@ -328,37 +332,22 @@ impl KspView {
     /// If a PETSc call fails.
     pub fn iterations(&self) -> Result<usize> {
         // SAFETY: the solver is valid.
-        unsafe { iterations_of(self.raw()) }
+        unsafe { iterations_of(self.raw()?) }
     }
 }
 
-/// Temporary memory for a vector's entries, used while a read guard looks at the original memory.
-struct OwnMemory<'a> {
-    vector: &'a VectorView,
-    /// Used by PETSc while this lives.
-    _entries: Vec<f64>,
-}
-
-impl<'a> OwnMemory<'a> {
-    /// Gives the vector temporary memory if someone reads it; costs nothing otherwise. Not collective, since only other
-    /// ranks may have readers.
-    fn where_read(vector: &'a VectorView) -> Result<Option<Self>> {
-        if !vector.is_read() {
-            return Ok(None);
-        }
-        let mut entries = vector.read()?.to_vec();
-        // SAFETY: the memory has the size of the vector, and stays until `drop` gives the vector its original memory
-        // back.
-        check(unsafe { sys::VecPlaceArray(vector.raw(), entries.as_mut_ptr()) })?;
-        Ok(Some(Self { vector, _entries: entries }))
-    }
-}
-
-impl Drop for OwnMemory<'_> {
-    fn drop(&mut self) {
-        // SAFETY: the vector is valid. An error cannot be returned from here and is ignored.
-        unsafe { sys::VecResetArray(self.vector.raw()) };
-    }
+/// Returns an error, on all ranks, if the preconditioner needs entries that this square AIJ matrix does not have. The
+/// smoother of multigrid reads the diagonal entry of each row, and in a row without one what lies behind its entries;
+/// each rank's solver under `redundant` may be multigrid too. Incomplete factors, which are the default, would fail on
+/// one rank alone. Collective.
+///
+/// # Safety
+/// The solver is valid.
+pub(crate) unsafe fn require_entries(ksp: sys::KSP, matrix: &MatrixView) -> Result<()> {
+    // SAFETY: guaranteed by the caller.
+    let kind = unsafe { Pc::of(ksp) }?.type_name()?;
+    let needs_diagonal = ["", "ilu", "bjacobi", "redundant", "gamg"].contains(&&*kind);
+    if needs_diagonal { matrix.require_diagonal() } else { Ok(()) }
 }
 
 /// Number of iterations of a solver's last solve.

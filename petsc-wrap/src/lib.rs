@@ -6,6 +6,10 @@
 //! - Dropping a handle is not collective: the object is queued, and destroyed by [`Comm::collect_garbage`] or at the
 //!   end of the session. So one rank may leave early with an error while the others continue.
 //! - Handles are neither `Send` nor `Sync`: PETSc is not thread-safe.
+//! - No safe call leads to undefined behaviour, as far as this is known of PETSc's methods that `set_type` admits. This
+//!   does not cover [`options`], which can choose others.
+//! - A solver in which PETSc itself has failed, and not a closure, is leaked, and returns an error in each call: PETSc
+//!   leaves it half changed.
 //! - Objects that PETSc lends are views ([`VectorView`], [`MatrixView`], [`KspView`]). The owned types deref to them,
 //!   like `String` to `str`.
 //! - `as_raw` returns the raw handle for a call of [`sys`] that is not wrapped, and the unsafe `from_raw` takes

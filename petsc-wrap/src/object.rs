@@ -1,13 +1,15 @@
 //! The common base of all handles: a counted reference to a PETSc object, or an object that PETSc lends for a while.
 
+use std::cell::Cell;
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
 use std::ptr::NonNull;
+use std::rc::Rc;
 
 use petsc_sys as sys;
 
 use crate::comm::Comm;
-use crate::error::{Result, check};
+use crate::error::{CLOSURE_ERROR, Result, check, require};
 
 /// A reference to a PETSc object. When it is dropped, the object is put in a queue, which is emptied collectively
 /// later.
@@ -16,6 +18,8 @@ pub(crate) struct Object<T> {
     comm: Comm,
     /// Whether this handle must release the reference.
     is_owned: bool,
+    /// Whether PETSc has failed inside a solve with this object. A nonlinear solver shares this with its linear solver.
+    is_broken: Rc<Cell<bool>>,
 }
 
 impl<T> Object<T> {
@@ -26,7 +30,7 @@ impl<T> Object<T> {
     /// nobody else releases.
     pub(crate) unsafe fn new(raw: *mut T, comm: &Comm) -> Self {
         let raw = NonNull::new(raw).expect("PETSc returned success and no object");
-        Self { raw, comm: comm.clone(), is_owned: true }
+        Self { raw, comm: comm.clone(), is_owned: true, is_broken: Rc::default() }
     }
 
     /// Wraps an object that still belongs to another owner.
@@ -35,7 +39,7 @@ impl<T> Object<T> {
     /// Same as [`Self::new`], except that the owner keeps the object for as long as this handle lives.
     pub(crate) unsafe fn lent(raw: *mut T, comm: &Comm) -> Self {
         let raw = NonNull::new(raw).expect("PETSc lends an object");
-        Self { raw, comm: comm.clone(), is_owned: false }
+        Self { raw, comm: comm.clone(), is_owned: false, is_broken: Rc::default() }
     }
 
     pub(crate) fn raw(&self) -> *mut T {
@@ -46,25 +50,47 @@ impl<T> Object<T> {
         &self.comm
     }
 
+    /// The object for a call of PETSc, unless PETSc has failed inside a solve with it.
+    pub(crate) fn whole(&self) -> Result<*mut T> {
+        require(
+            !self.is_broken.get(),
+            "PETSc failed in an earlier solve with this solver: it cannot be used any more",
+        )?;
+        Ok(self.raw())
+    }
+
+    /// Turns the return code of a solve with this object into a result.
+    ///
+    /// An error of PETSc's own leaves the object half changed: matrices may be exchanged, and freed memory may still be
+    /// pointed to. Even its destruction can then crash. So it is never used again, and is leaked. An error of a closure
+    /// comes back between PETSc's steps, where the admitted methods have nothing to undo.
+    #[track_caller]
+    pub(crate) fn solved(&self, code: sys::PetscErrorCode) -> Result<()> {
+        self.is_broken.set(code != 0 && code != CLOSURE_ERROR);
+        check(code)
+    }
+
+    /// Makes an error in a solve with this object also one of the object that lends it.
+    pub(crate) fn part_of<U>(mut self, owner: &Object<U>) -> Self {
+        self.is_broken = owner.is_broken.clone();
+        self
+    }
+
     /// Releases the reference immediately. Collective.
-    pub(crate) fn destroy(self) -> Result<()> {
-        let mut this = std::mem::ManuallyDrop::new(self);
-        let mut object: sys::PetscObject = this.raw.as_ptr().cast();
-        let released = if this.is_owned {
-            // SAFETY: every PETSc class starts with the object header; the reference is ours, and `drop` does not run.
-            check(unsafe { sys::PetscObjectDestroy(&raw mut object) })
-        } else {
-            Ok(())
-        };
-        // SAFETY: `this` is not used again, so that its communicator is dropped once.
-        unsafe { std::ptr::drop_in_place(&raw mut this.comm) };
-        released
+    pub(crate) fn destroy(mut self) -> Result<()> {
+        if self.is_owned && !self.is_broken.get() {
+            self.is_owned = false;
+            let mut object: sys::PetscObject = self.raw.as_ptr().cast();
+            // SAFETY: every PETSc class starts with the object header; the reference was ours, and `drop` leaves it.
+            return check(unsafe { sys::PetscObjectDestroy(&raw mut object) });
+        }
+        Ok(())
     }
 }
 
 impl<T> Drop for Object<T> {
     fn drop(&mut self) {
-        if !self.is_owned {
+        if !self.is_owned || self.is_broken.get() {
             return;
         }
         let mut object: sys::PetscObject = self.raw.as_ptr().cast();

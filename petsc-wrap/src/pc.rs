@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use petsc_sys as sys;
 
 use crate::error::{Result, check, require};
-use crate::text::{from_c, to_c};
+use crate::text::{from_c, type_name};
 
 /// The preconditioner of a linear solver, for setting its options.
 pub struct Pc<'a> {
@@ -30,13 +30,15 @@ impl Pc<'_> {
         self.raw
     }
 
-    /// Chooses the method (`jacobi`, `gamg`, `cholesky`, `redundant`, …).
+    /// Chooses the method: `none`, `jacobi`, `bjacobi`, `ilu`, `lu`, `cholesky`, `redundant` or `gamg`.
     ///
     /// # Errors
-    /// If a PETSc call fails, e.g. for an unknown name.
+    /// If the name is another one, or if a PETSc call fails.
     pub fn set_type(&mut self, name: &str) -> Result<()> {
+        let admitted = ["none", "jacobi", "bjacobi", "ilu", "lu", "cholesky", "redundant", "gamg"];
+        let name = type_name(name, &admitted)?;
         // SAFETY: the preconditioner is valid; PETSc copies the string.
-        check(unsafe { sys::PCSetType(self.raw, to_c(name).as_ptr()) })
+        check(unsafe { sys::PCSetType(self.raw, name.as_ptr()) })
     }
 
     /// Name of the method; empty if none is chosen.
@@ -51,13 +53,15 @@ impl Pc<'_> {
         Ok(unsafe { from_c(name) })
     }
 
-    /// Chooses the package for the factorisation (`mumps`, `cholmod`, …); no effect if the method does not factorise.
+    /// Chooses the package for the factorisation: `petsc`, `cholmod` or `mumps`. No effect if the method does not
+    /// factorise.
     ///
     /// # Errors
-    /// If a PETSc call fails.
+    /// If the name is another one, or if a PETSc call fails.
     pub fn set_factor_package(&mut self, name: &str) -> Result<()> {
+        let name = type_name(name, &["petsc", "cholmod", "mumps"])?;
         // SAFETY: the preconditioner is valid; PETSc copies the string.
-        check(unsafe { sys::PCFactorSetMatSolverType(self.raw, to_c(name).as_ptr()) })
+        check(unsafe { sys::PCFactorSetMatSolverType(self.raw, name.as_ptr()) })
     }
 
     /// Makes MUMPS allocate this percentage of memory beyond its estimate (its control parameter 14), unless

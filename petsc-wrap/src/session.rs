@@ -5,7 +5,7 @@ use std::ffi::{CString, c_char, c_int};
 use std::rc::Rc;
 
 use mpi::collective::SystemOperation;
-use mpi::environment::Universe;
+use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives, Root};
 use petsc_sys as sys;
 
@@ -21,15 +21,14 @@ use crate::text::to_c;
 /// program that needs no such object starts in a fraction of the time. Several ranks initialise PETSc together at the
 /// start.
 ///
-/// Clones share the session. When the last clone or handle is dropped, the queued objects are destroyed and PETSc and
-/// MPI are finalised, which is collective. A rank that must leave alone calls [`Session::abort`].
+/// Clones share the session. When the last clone or handle is dropped, the queued objects are destroyed and PETSc is
+/// finalised, which is collective. MPI is finalised when the process then exits, since copies of a communicator of the
+/// `mpi` crate may outlive the session. A rank that must leave alone calls [`Session::abort`].
 #[derive(Clone)]
 pub struct Session(Rc<Inner>);
 
 pub(crate) struct Inner {
     finalized: Cell<bool>,
-    /// Dropped after PETSc is finalised.
-    universe: Universe,
     /// Initialised at most once.
     petsc: OnceCell<CommandLine>,
 }
@@ -51,9 +50,10 @@ impl Session {
     /// # Errors
     /// If PETSc cannot be loaded, or refuses the options.
     pub fn start(options: &[String]) -> Option<Result<Self>> {
-        let universe = mpi::initialize()?;
-        let is_alone = universe.world().size() == 1;
-        let session = Self(Rc::new(Inner { finalized: Cell::new(false), universe, petsc: OnceCell::new() }));
+        // Dropping it would finalise MPI.
+        std::mem::forget(mpi::initialize()?);
+        let is_alone = SimpleCommunicator::world().size() == 1;
+        let session = Self(Rc::new(Inner { finalized: Cell::new(false), petsc: OnceCell::new() }));
         let waits = is_alone && options.is_empty() && std::env::var_os(OPTIONS).is_none_or(|text| text.is_empty());
         if waits {
             return Some(Ok(session));
@@ -77,7 +77,7 @@ impl Session {
     /// Loads PETSc on all ranks. If one rank cannot load it, no rank starts it, since the start is collective, and all
     /// return the error of the first rank that failed. Collective.
     fn load_together(&self) -> Result<()> {
-        let world = self.0.universe.world();
+        let world = SimpleCommunicator::world();
         let why = load().err();
         let failing = if why.is_some() { world.rank() } else { world.size() };
         let mut first = failing;
@@ -123,17 +123,17 @@ impl Session {
 
     /// Communicator of all ranks.
     pub fn world(&self) -> Comm {
-        Comm::new(self.clone(), self.0.universe.world())
+        Comm::new(self.clone(), SimpleCommunicator::world())
     }
 
     /// Communicator of this rank alone.
     pub fn alone(&self) -> Comm {
-        Comm::new(self.clone(), mpi::topology::SimpleCommunicator::self_comm())
+        Comm::new(self.clone(), SimpleCommunicator::self_comm())
     }
 
     /// Ends all ranks immediately with this exit status.
     pub fn abort(&self, status: i32) -> ! {
-        self.0.universe.world().abort(status)
+        SimpleCommunicator::world().abort(status)
     }
 
     /// Ends this process immediately, without finalising anything and without the exit handlers of libraries. All ranks
@@ -183,12 +183,21 @@ impl Drop for Inner {
     fn drop(&mut self) {
         if std::thread::panicking() {
             // The other ranks are somewhere else in the program: PetscFinalize would wait for them for ever.
-            self.universe.world().abort(PANICKED);
+            SimpleCommunicator::world().abort(PANICKED);
         }
         if let Err(error) = self.finalize() {
             eprintln!("PETSc could not be finalised: {error}");
         }
+        // Not earlier: a rank that exits while its session lives shall end the others, and not wait for them.
+        // SAFETY: the function has the type of an exit handler.
+        unsafe { libc::atexit(end_mpi) };
     }
+}
+
+/// Finalises MPI. To be called once, when the process exits after its session.
+extern "C" fn end_mpi() {
+    // SAFETY: MPI was initialised by the session. The destructors of the program's own values have run.
+    unsafe { mpi::ffi::MPI_Finalize() };
 }
 
 /// Exit status after a panic, the same as for any Rust program.

@@ -1,12 +1,12 @@
 //! Preconditioners that are Rust closures.
 
-use std::ffi::c_void;
+use std::ffi::{CStr, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use petsc_sys as sys;
 
 use crate::comm::Comm;
-use crate::error::{Result, USER_ERROR, check, require};
+use crate::error::{CLOSURE_ERROR, Result, check, require};
 use crate::ksp::KspView;
 use crate::matrix::{Matrix, MatrixView};
 
@@ -67,9 +67,10 @@ impl KspView {
         require(operator.is_assembled()?, "the matrix is not assembled")?;
         self.set_both(operator, operator)?;
         let pc = {
-            let mut pc = self.pc()?;
-            pc.set_type(SHELL)?;
-            pc.as_raw()
+            let pc = self.pc()?.as_raw();
+            // SAFETY: the preconditioner is valid; the type is a C string.
+            check(unsafe { sys::PCSetType(pc, SHELL.as_ptr()) })?;
+            pc
         };
         let context = Box::new(Context { comm: self.comm().clone(), factorise, apply });
         // SAFETY: the preconditioner is valid and of type shell here and below; its functions use the context that was
@@ -88,7 +89,7 @@ impl KspView {
 }
 
 /// PETSc's type name of these preconditioners.
-pub(crate) const SHELL: &str = "shell";
+pub(crate) const SHELL: &CStr = c"shell";
 
 /// Returns the context of a preconditioner; null if it has none.
 ///
@@ -125,7 +126,7 @@ unsafe extern "C" fn set_up(pc: sys::PC) -> sys::PetscErrorCode {
     // SAFETY: guaranteed by the caller.
     let context = unsafe { context(pc) };
     if context.is_null() {
-        return USER_ERROR;
+        return CLOSURE_ERROR;
     }
     // SAFETY: the box lives until `release`, and PETSc sets up and applies one preconditioner at a time.
     let Context { comm, factorise, apply } = unsafe { &mut *context };
@@ -141,7 +142,7 @@ unsafe extern "C" fn set_up(pc: sys::PC) -> sys::PetscErrorCode {
     // SAFETY: the matrix given to `set_shell` or another of the same layout, which the preconditioner keeps during this
     // call.
     let matrix = unsafe { Matrix::lent(matrix, comm) };
-    let Ok(Ok(made)) = catch_unwind(AssertUnwindSafe(|| factorise(&matrix))) else { return USER_ERROR };
+    let Ok(Ok(made)) = catch_unwind(AssertUnwindSafe(|| factorise(&matrix))) else { return CLOSURE_ERROR };
     let reason = match made {
         Some(_) => sys::PCFailedReason::PC_NOERROR,
         None => sys::PCFailedReason::PC_FACTOR_NUMERIC_ZEROPIVOT,
@@ -168,10 +169,10 @@ unsafe extern "C" fn call(pc: sys::PC, r: sys::Vec, z: sys::Vec) -> sys::PetscEr
         }
     }
     if r == z {
-        return USER_ERROR;
+        return CLOSURE_ERROR;
     }
     // SAFETY: as above; nobody else has it while PETSc applies the preconditioner.
-    let Some(Context { apply, .. }) = (unsafe { context.as_mut() }) else { return USER_ERROR };
+    let Some(Context { apply, .. }) = (unsafe { context.as_mut() }) else { return CLOSURE_ERROR };
     let (mut count, mut from, mut to) = (0, std::ptr::null(), std::ptr::null_mut());
     // SAFETY: PETSc's vectors are valid here and below.
     let mut code = unsafe { sys::VecGetLocalSize(r, &raw mut count) };
@@ -210,7 +211,7 @@ unsafe extern "C" fn call(pc: sys::PC, r: sys::Vec, z: sys::Vec) -> sys::PetscEr
         // SAFETY: the array is the one just taken.
         code = unsafe { sys::VecRestoreArray(z, &raw mut to) };
         if outcome.is_err() {
-            code = USER_ERROR;
+            code = CLOSURE_ERROR;
         }
     }
     // SAFETY: the array is the one taken above.

@@ -26,6 +26,16 @@ pub(crate) fn option_name(name: &str) -> Result<CString> {
     Ok(to_c(name))
 }
 
+/// Returns the C string of the name of one of PETSc's types.
+///
+/// # Errors
+/// [`Error::Invalid`] if the type is not in the list. Others crash in PETSc for some matrices, for instance for those
+/// with rows without entries, or after a change of the type.
+pub(crate) fn type_name(name: &str, admitted: &[&str]) -> Result<CString> {
+    require(admitted.contains(&name), &format!("{name:?} is not admitted, only {}", admitted.join(", ")))?;
+    Ok(to_c(name))
+}
+
 /// Returns a copy of a C string; empty for null.
 ///
 /// # Safety

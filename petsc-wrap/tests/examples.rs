@@ -1,4 +1,4 @@
-//! Runs every example on one and two ranks. Each example checks its own answer.
+//! Runs every example, and programs that need processes of their own, on one and two ranks. Each checks its own answer.
 
 use std::process::{ExitCode, Stdio};
 
@@ -9,6 +9,10 @@ const EXAMPLE: &str = "PETSC_WRAP_EXAMPLE";
 
 #[path = "../examples/bratu.rs"]
 mod bratu;
+#[path = "problems/ends.rs"]
+mod ends;
+#[path = "problems/failing.rs"]
+mod failing;
 #[path = "../examples/lazy.rs"]
 mod lazy;
 #[path = "../examples/mesh.rs"]
@@ -22,8 +26,10 @@ mod ranks;
 
 type Example = fn() -> Result<(), Box<dyn std::error::Error>>;
 
-const EXAMPLES: [(&str, Example); 6] = [
+const EXAMPLES: [(&str, Example); 8] = [
     ("bratu", bratu::main),
+    ("ends", ends::main),
+    ("failing", failing::main),
     ("lazy", lazy::main),
     ("mesh", mesh::main),
     ("options", options::main),
@@ -33,6 +39,8 @@ const EXAMPLES: [(&str, Example); 6] = [
 
 const TESTS: &[PlainTest] = &[
     ("bratu", || on_ranks("bratu")),
+    ("ends", || on_ranks("ends")),
+    ("failing", || on_ranks("failing")),
     ("lazy", || on_ranks("lazy")),
     ("mesh", || on_ranks("mesh")),
     ("options", || on_ranks("options")),

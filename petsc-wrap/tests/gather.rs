@@ -49,6 +49,10 @@ fn nothing_and_too_much(session: &Session) {
     let wanted: &[Int] = if session.world().is_root() { &[2] } else { &[] };
     assert_eq!(Gather::new(&vector, wanted).unwrap().fetch(&vector).unwrap().len(), wanted.len());
     assert!(Gather::new(&vector, &[vector.len() as Int]).is_err());
+    // All ranks learn of an index that is too large on one.
+    let wanted: &[Int] = if session.world().is_root() { &[-1] } else { &[0] };
+    assert!(Gather::new(&vector, wanted).is_err());
+    assert!(Gather::new(&vector, &[0]).is_ok());
 }
 
 /// A vector of another layout is refused on all ranks. PETSc does not check the layout, and would read beyond the end

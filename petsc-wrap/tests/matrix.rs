@@ -20,6 +20,7 @@ fn main() -> ExitCode {
             ("rows_and_columns_are_zeroed", rows_and_columns_are_zeroed),
             ("sums_and_copies", sums_and_copies),
             ("an_unsafe_shape_is_refused", an_unsafe_shape_is_refused),
+            ("a_fault_of_one_rank_is_refused_on_all", a_fault_of_one_rank_is_refused_on_all),
             ("what_is_not_assembled_is_refused", what_is_not_assembled_is_refused),
             ("other_types_are_refused", other_types_are_refused),
             ("other_layouts_are_refused", other_layouts_are_refused),
@@ -178,6 +179,22 @@ fn an_unsafe_shape_is_refused(session: &Session) {
     assert!(is_invalid(wide.upper_triangle(1)) && is_invalid(wide.diagonal(&mut Vector::new(&alone, 2).unwrap())));
     assert!(is_invalid(estimate_cholesky(&wide)));
     assert!(is_invalid(NullSpace::rigid_body(&mut Vector::new(&alone, 4).unwrap())));
+}
+
+/// No rank waits for one whose arguments are refused.
+fn a_fault_of_one_rank_is_refused_on_all(session: &Session) {
+    let world = session.world();
+    let (rank, n) = (world.rank() as Int, world.size() as Int);
+    let here = |bad: Int, good: Int| if world.is_root() { bad } else { good };
+    assert!(Matrix::csr(&world, &[0, 1], &[here(n, rank)], &[1.0]).is_err());
+    assert!(Matrix::csr(&world, &[0, 2], &[here(0, -1), 0], &[1.0; 2]).is_err());
+    assert!(Matrix::of_pairs(&world, (1, 1), vec![rank], vec![here(n, rank)]).is_err());
+    assert!(Matrix::of_pairs(&world, (1, 1), vec![here(-1, rank)], vec![rank]).is_err());
+    assert!(Matrix::aij(&world, (1, 1), &[here(-1, 1)], &[0]).is_err());
+    let mut matrix = ones(session, 1);
+    assert!(matrix.zero_rows_columns(&[here(n, rank)], 1.0).is_err());
+    matrix.zero_rows_columns(&[rank], 2.0).unwrap();
+    assert_eq!(matrix.trace().unwrap(), 2.0 * n as f64);
 }
 
 /// Matrices that are not assembled are refused. They have room between their entries, where PETSc has not written the

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use petsc_wrap::{Comm, Error, Ksp, Session, Vector, options, set_default_environment};
+use petsc_wrap::{Comm, Error, Ksp, Session, Tolerances, Vector, options, set_default_environment};
 
 /// An environment variable that is set beforehand, and one that is set by default.
 const GIVEN: &str = "PETSC_WRAP_TEST_GIVEN";
@@ -70,17 +70,17 @@ fn options_are_set_and_cleared(session: &Session) {
 
 fn errors_carry_message_frames_and_place(session: &Session) {
     let mut solver = Ksp::new(&session.world()).unwrap();
-    let error = solver.set_type("no such method").unwrap_err();
+    let error = solver.set_tolerances(Tolerances { relative: Some(-0.5), ..Default::default() }).unwrap_err();
     assert!(error.to_string().contains("ksp.rs"), "{error}");
     let Error::Petsc { code, message, frames, .. } = error else { panic!("{error:?}") };
     assert_ne!(code, 0);
-    assert!(message.contains("no such method"), "{message}");
-    assert!(frames.iter().any(|frame| frame.function.starts_with("KSPSetType")), "{frames:?}");
+    assert!(message.contains("-0.5"), "{message}");
+    assert!(frames.iter().any(|frame| frame.function.starts_with("KSPSetTolerances")), "{frames:?}");
     assert!(frames.iter().all(|frame| frame.line > 0));
     // The next error does not contain the frames of this one.
-    let error = solver.pc().unwrap().set_type("no such method").unwrap_err();
+    let error = solver.set_options_prefix("-x_").unwrap_err();
     let Error::Petsc { frames: again, .. } = error else { panic!() };
-    assert!(again.iter().all(|frame| !frame.function.starts_with("KSPSetType")), "{again:?}");
+    assert!(again.iter().all(|frame| !frame.function.starts_with("KSPSetTolerances")), "{again:?}");
 }
 
 /// Before MPI and PETSc start, this process has one thread and the environment is set. With a second thread it is left

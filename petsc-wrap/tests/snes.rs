@@ -27,6 +27,8 @@ fn main() -> ExitCode {
             ("a_preconditioner_lags_as_it_is_told", a_preconditioner_lags_as_it_is_told),
             ("nan_stops_the_solve", nan_stops_the_solve),
             ("too_few_iterations_are_told", too_few_iterations_are_told),
+            ("types_that_are_not_admitted_are_refused", types_that_are_not_admitted_are_refused),
+            ("a_jacobian_without_diagonal_is_refused", a_jacobian_without_diagonal_is_refused),
         ],
     )
 }
@@ -272,4 +274,25 @@ fn too_few_iterations_are_told(session: &Session) {
     let Err(Error::Diverged(failure)) = result else { panic!("{result:?}") };
     assert_eq!((failure.solver, failure.iterations), ("SNES", 2));
     assert!(failure.reason.contains("MAX_IT") && failure.norm > TOLERANCE, "{failure}");
+}
+
+fn is_invalid<T>(outcome: petsc_wrap::Result<T>) -> bool {
+    matches!(outcome, Err(Error::Invalid { .. }))
+}
+
+/// After a change from `newtontr` to another type, for instance, PETSc reads the data of a type in place of another's.
+fn types_that_are_not_admitted_are_refused(session: &Session) {
+    let (mut snes, _) = solver(session, 20);
+    for name in ["newtontr", "nleqerr", "no such method", ""] {
+        assert!(is_invalid(snes.set_type(name)) && is_invalid(snes.set_line_search_type(name)), "{name}");
+    }
+}
+
+/// A closure may leave out entries of which the preconditioner needs those on the diagonal.
+fn a_jacobian_without_diagonal_is_refused(session: &Session) {
+    let (mut snes, mut x) = solver(session, 20);
+    snes.ksp().unwrap().pc().unwrap().set_type("gamg").unwrap();
+    let outcome = snes.solve_with_search(&mut x, |x, f| Ok(f.copy_from(x)?), |_, j, _| Ok(j.assemble()?), |_| Ok(1.0));
+    let Err(Error::Callback(error)) = outcome else { panic!("{outcome:?}") };
+    assert!(error.to_string().contains("diagonal"), "{error}");
 }

@@ -8,7 +8,7 @@ use petsc_sys as sys;
 
 use super::Matrix;
 use crate::comm::Comm;
-use crate::error::{Result, USER_ERROR, check};
+use crate::error::{CLOSURE_ERROR, Result, check};
 use crate::vector::{Vector, VectorView};
 
 /// y ← A x; the arguments are x and y.
@@ -96,18 +96,18 @@ unsafe extern "C" fn call(matrix: sys::Mat, x: sys::Vec, y: sys::Vec) -> sys::Pe
     // SAFETY: guaranteed by the caller.
     let context = unsafe { context(matrix) };
     if context.is_null() || x == y {
-        return USER_ERROR;
+        return CLOSURE_ERROR;
     }
     // SAFETY: the box lives until `release`, and all references to it are shared.
     let Context { comm, multiply } = unsafe { &*context };
     // A product by the operator inside its own product is an error.
-    let Ok(mut multiply) = multiply.try_borrow_mut() else { return USER_ERROR };
+    let Ok(mut multiply) = multiply.try_borrow_mut() else { return CLOSURE_ERROR };
     // SAFETY: PETSc's vectors are valid for the call.
     let from = unsafe { Vector::lent(x, comm) };
     // SAFETY: as above; it is another vector than `x`.
     let mut to = unsafe { Vector::lent(y, comm) };
     match catch_unwind(AssertUnwindSafe(|| multiply(&from, &mut to))) {
         Ok(Ok(())) => 0,
-        _ => USER_ERROR,
+        _ => CLOSURE_ERROR,
     }
 }

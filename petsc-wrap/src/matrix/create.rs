@@ -15,13 +15,14 @@ impl Matrix {
     /// entry without room is an error. Collective.
     ///
     /// # Errors
-    /// If a count is negative, or if a PETSc call fails.
+    /// If a count is negative (on all ranks), or if a PETSc call fails.
     ///
     /// # Panics
     /// If the numbers of counts and rows differ.
     pub fn aij(comm: &Comm, local: (usize, usize), diagonal: &[Int], off_diagonal: &[Int]) -> Result<Self> {
         assert_eq!((diagonal.len(), off_diagonal.len()), (local.0, local.0));
-        require(diagonal.iter().chain(off_diagonal).all(|count| *count >= 0), "a count of entries is negative")?;
+        let is_good = diagonal.iter().chain(off_diagonal).all(|count| *count >= 0);
+        comm.agree(require(is_good, "a count of entries is negative"))?;
         let matrix = Self::create(comm, local, c"aij")?;
         // SAFETY: the slices hold one count for each local row; PETSc ignores the call that is not for the matrix's
         // type.
@@ -35,7 +36,8 @@ impl Matrix {
     /// `columns`, ascending, and `values` from `offsets[i]` to `offsets[i + 1]`. Collective.
     ///
     /// # Errors
-    /// If a column is out of range, or not larger than the one before it in its row, or if a PETSc call fails.
+    /// If a column is out of range, or not larger than the one before it in its row (on all ranks), or if a PETSc call
+    /// fails.
     ///
     /// # Panics
     /// If the offsets do not fit the numbers of columns and values.
@@ -45,9 +47,9 @@ impl Matrix {
         assert!(offsets[0] == 0 && offsets.windows(2).all(|pair| pair[0] <= pair[1]));
         assert_eq!((last, last), (columns.len(), values.len()));
         let ascends = |ends: &[Int]| columns[ends[0] as usize..ends[1] as usize].is_sorted_by(|a, b| a < b);
-        require(offsets.windows(2).all(ascends), "the columns of a row do not ascend")?;
+        let ascending = require(offsets.windows(2).all(ascends), "the columns of a row do not ascend");
         if comm.size() == 1 {
-            check_indices(columns, rows)?;
+            ascending.and_then(|()| check_indices(columns, rows))?;
             // PETSc writes new counts to this array when it assembles.
             let mut own = offsets.to_vec();
             let (i, j) = (own.as_mut_ptr(), columns.as_ptr().cast_mut());
@@ -65,7 +67,7 @@ impl Matrix {
         let matrix = Self::create(comm, (rows, rows), c"aij")?;
         // SAFETY: sizes are set.
         check(unsafe { sys::MatSetUp(matrix.raw()) })?;
-        check_indices(columns, matrix.size().1)?;
+        comm.agree(ascending.and_then(|()| check_indices(columns, matrix.size().1)))?;
         let [i, j] = [offsets, columns].map(<[Int]>::as_ptr);
         // SAFETY: the offsets are one more than the rows and lie within the columns and values, which PETSc copies.
         check(unsafe { sys::MatMPIAIJSetPreallocationCSR(matrix.raw(), i, j, values.as_ptr()) })?;
@@ -77,7 +79,7 @@ impl Matrix {
     /// Collective.
     ///
     /// # Errors
-    /// If an index is out of range, or if a PETSc call fails.
+    /// If an index is out of range (on all ranks), or if a PETSc call fails.
     ///
     /// # Panics
     /// If the numbers of rows and columns in the pairs differ.
@@ -87,8 +89,7 @@ impl Matrix {
         // SAFETY: sizes are set.
         check(unsafe { sys::MatSetUp(matrix.raw()) })?;
         let size = matrix.size();
-        check_indices(&rows, size.0)?;
-        check_indices(&columns, size.1)?;
+        comm.agree(check_indices(&rows, size.0).and_then(|()| check_indices(&columns, size.1)))?;
         let count = int(rows.len())? as sys::PetscCount;
         // SAFETY: both hold this number of indices, within the matrix; PETSc may overwrite them, and does not keep
         // them.

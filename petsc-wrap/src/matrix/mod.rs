@@ -106,7 +106,9 @@ impl MatrixView {
     pub(crate) fn require_aij(&self) -> Result<()> {
         // SAFETY: the matrix is valid.
         let name = unsafe { type_name(self.raw()) }?;
-        require(is_name_of_aij(&name), &format!("not for matrices of type {name:?}, only for AIJ"))
+        // An option can choose a variant, whose name begins with the same letters.
+        let is_aij = ["seqaij", "mpiaij"].iter().any(|aij| name.starts_with(aij));
+        require(is_aij, &format!("not for matrices of type {name:?}, only for AIJ"))
     }
 
     pub(crate) fn require_assembled_aij(&self) -> Result<()> {
@@ -233,11 +235,11 @@ impl MatrixView {
     /// rank may give any rows. Collective.
     ///
     /// # Errors
-    /// If a row is out of range, the matrix is not square, assembled and AIJ, or a PETSc call fails.
+    /// If a row is out of range (on all ranks), the matrix is not square, assembled and AIJ, or a PETSc call fails.
     pub fn zero_rows_columns(&mut self, rows: &[Int], diagonal: f64) -> Result<()> {
         self.require_assembled_aij()?;
         self.require_square()?;
-        check_indices(rows, self.size().0)?;
+        self.comm().agree(check_indices(rows, self.size().0))?;
         self.set_option(sys::MatOption::MAT_KEEP_NONZERO_PATTERN)?;
         let (n, none) = (int(rows.len())?, std::ptr::null_mut());
         // SAFETY: the slice holds `n` rows; no vectors are given.
@@ -295,19 +297,4 @@ unsafe fn type_name(matrix: sys::Mat) -> Result<String> {
     check(unsafe { sys::MatGetType(matrix, &raw mut name) })?;
     // SAFETY: the name is static or null.
     Ok(unsafe { from_c(name) })
-}
-
-/// Whether a type is AIJ or one of its variants, whose names begin with the same letters and which an option can
-/// choose.
-fn is_name_of_aij(name: &str) -> bool {
-    ["seqaij", "mpiaij"].iter().any(|aij| name.starts_with(aij))
-}
-
-/// Whether a matrix is stored by rows, with single entries (AIJ).
-///
-/// # Safety
-/// The matrix is valid.
-pub(crate) unsafe fn is_aij(matrix: sys::Mat) -> Result<bool> {
-    // SAFETY: guaranteed by the caller.
-    Ok(is_name_of_aij(&unsafe { type_name(matrix) }?))
 }

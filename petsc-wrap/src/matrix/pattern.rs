@@ -34,6 +34,22 @@ impl<'a> Blocks<'a> {
     }
 }
 
+impl MatrixView {
+    /// Returns an error, on all ranks, if a row of this square matrix has no entry on the diagonal. Collective.
+    pub(crate) fn require_diagonal(&self) -> Result<()> {
+        self.require_assembled_aij()?;
+        let has_all = Blocks::of(self).and_then(|blocks| {
+            // SAFETY: the part belongs to the matrix, which is borrowed here.
+            let Pattern { offsets, columns } = unsafe { Pattern::of(blocks.raw[0]) }?;
+            let mut rows = offsets.windows(2).zip(0..);
+            let has =
+                |(ends, row): (&[Int], Int)| columns[ends[0] as usize..ends[1] as usize].binary_search(&row).is_ok();
+            require(rows.all(has), "a row of the matrix has no entry on the diagonal")
+        });
+        self.comm().agree(has_all)
+    }
+}
+
 /// Pattern of a sequential AIJ matrix.
 pub(super) struct Pattern<'a> {
     pub offsets: &'a [Int],

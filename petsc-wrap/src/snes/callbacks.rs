@@ -9,7 +9,8 @@ use petsc_sys as sys;
 
 use super::{CallbackResult, Progress, Snes, Trial};
 use crate::comm::Comm;
-use crate::error::{Result, USER_ERROR, check, require};
+use crate::error::{CLOSURE_ERROR, Result, check, require};
+use crate::ksp::require_entries;
 use crate::matrix::{Matrix, MatrixView};
 use crate::vector::{Vector, VectorView};
 
@@ -49,7 +50,7 @@ impl<R, J, L> Context<R, J, L> {
     unsafe fn keep(this: *mut Self, stop: Stop) -> sys::PetscErrorCode {
         // SAFETY: guaranteed by the caller.
         unsafe { (*this).stop.get_or_insert(stop) };
-        USER_ERROR
+        CLOSURE_ERROR
     }
 }
 
@@ -65,7 +66,7 @@ impl Callbacks<'_> {
         J: FnMut(&VectorView, &mut MatrixView, &mut Progress<'_>) -> CallbackResult<()>,
         L: for<'a> FnMut(&mut Trial<'a>) -> CallbackResult<f64>,
     {
-        let (raw, pointer) = (self.snes.raw(), context.cast::<c_void>());
+        let (raw, pointer) = (self.snes.raw()?, context.cast::<c_void>());
         // SAFETY: the callbacks cast the context back to its type, and are removed before the context goes.
         check(unsafe { sys::SNESSetFunction(raw, std::ptr::null_mut(), Some(call_residual::<R, J, L>), pointer) })?;
         // SAFETY: as above.
@@ -79,7 +80,8 @@ impl Drop for Callbacks<'_> {
     /// Removes the callbacks. PETSc would call them later too, for example from a matrix-free Jacobian (`-snes_mf`) in
     /// a solve with the linear solver.
     fn drop(&mut self) {
-        let (raw, none) = (self.snes.raw(), std::ptr::null_mut());
+        // A solver in which PETSc has failed keeps its callbacks, since nobody uses it any more.
+        let (Ok(raw), none) = (self.snes.raw(), std::ptr::null_mut()) else { return };
         // SAFETY: the solver is valid here and below, and the new callbacks do not use a context.
         unsafe { sys::SNESSetFunction(raw, std::ptr::null_mut(), Some(no_residual), none) };
         // SAFETY: as above; null leaves the matrices unchanged.
@@ -92,7 +94,7 @@ impl Drop for Callbacks<'_> {
 }
 
 unsafe extern "C" fn no_residual(_: sys::SNES, _: sys::Vec, _: sys::Vec, _: *mut c_void) -> sys::PetscErrorCode {
-    USER_ERROR
+    CLOSURE_ERROR
 }
 
 unsafe extern "C" fn no_jacobian(
@@ -102,11 +104,11 @@ unsafe extern "C" fn no_jacobian(
     _: sys::Mat,
     _: *mut c_void,
 ) -> sys::PetscErrorCode {
-    USER_ERROR
+    CLOSURE_ERROR
 }
 
 unsafe extern "C" fn no_search(_: sys::SNESLineSearch, _: *mut c_void) -> sys::PetscErrorCode {
-    USER_ERROR
+    CLOSURE_ERROR
 }
 
 /// Returns an error if PETSc lends the same object twice, once for writing.
@@ -161,6 +163,11 @@ where
         let (x, mut j) = unsafe { (Vector::lent(x, comm), Matrix::lent(matrix, comm)) };
         // An unchanged matrix keeps its state counter, which tells PETSc that the factorisation is still valid.
         jacobian(&x, &mut j, &mut Progress::new(snes))?;
+        let mut ksp = std::ptr::null_mut();
+        // SAFETY: the solver is valid during its call; the linear solver belongs to it.
+        check(unsafe { sys::SNESGetKSP(snes, &raw mut ksp) })?;
+        // SAFETY: as above.
+        unsafe { require_entries(ksp, &j) }?;
         if operator != matrix {
             // A matrix-free operator (`-snes_mf_operator`) stores its linearisation point when it is assembled.
             let kind = sys::MatAssemblyType::MAT_FINAL_ASSEMBLY;

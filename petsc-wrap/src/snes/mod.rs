@@ -18,7 +18,7 @@ use crate::error::{Diverged, Error, Result, check, require};
 use crate::ksp::{Ksp, reason_of};
 use crate::matrix::{Matrix, MatrixView};
 use crate::object::{Lent, Object};
-use crate::text::{from_c, int, option_name, to_c};
+use crate::text::{from_c, int, option_name, type_name};
 use crate::vector::VectorView;
 
 /// Result of a closure that PETSc calls.
@@ -107,13 +107,13 @@ impl Snes {
         Ok(Self { object: unsafe { Object::new(raw, comm) }, jacobian: None })
     }
 
-    fn raw(&self) -> sys::SNES {
-        self.object.raw()
+    fn raw(&self) -> Result<sys::SNES> {
+        self.object.whole()
     }
 
     /// The raw handle. It is valid while `self` lives.
     pub fn as_raw(&self) -> sys::SNES {
-        self.raw()
+        self.object.raw()
     }
 
     /// The communicator of this object.
@@ -121,13 +121,14 @@ impl Snes {
         self.object.comm()
     }
 
-    /// Chooses the method (`newtonls`, `newtontr`, …).
+    /// Chooses the method: `newtonls` (Newton's with a line search) or `ksponly` (one step of it).
     ///
     /// # Errors
-    /// If a PETSc call fails, e.g. for an unknown name.
+    /// If the name is another one, or if a PETSc call fails.
     pub fn set_type(&mut self, name: &str) -> Result<()> {
+        let name = type_name(name, &["newtonls", "ksponly"])?;
         // SAFETY: the solver is valid; PETSc copies the string.
-        check(unsafe { sys::SNESSetType(self.raw(), to_c(name).as_ptr()) })
+        check(unsafe { sys::SNESSetType(self.raw()?, name.as_ptr()) })
     }
 
     /// Sets the prefix of this solver's options: empty, or a name that ends in an underscore.
@@ -137,23 +138,25 @@ impl Snes {
     pub fn set_options_prefix(&mut self, prefix: &str) -> Result<()> {
         let prefix = option_name(prefix)?;
         // SAFETY: the solver is valid; PETSc copies the string.
-        check(unsafe { sys::SNESSetOptionsPrefix(self.raw(), prefix.as_ptr()) })
+        check(unsafe { sys::SNESSetOptionsPrefix(self.raw()?, prefix.as_ptr()) })
     }
 
     fn line_search(&self) -> Result<sys::SNESLineSearch> {
         let mut search = std::ptr::null_mut();
         // SAFETY: the solver is valid; the line search belongs to it.
-        check(unsafe { sys::SNESGetLineSearch(self.raw(), &raw mut search) })?;
+        check(unsafe { sys::SNESGetLineSearch(self.raw()?, &raw mut search) })?;
         Ok(search)
     }
 
-    /// Chooses the line search (`bt`, `basic`, …); `shell` calls the closure of [`Self::solve_with_search`].
+    /// Chooses the line search: `basic`, `bt`, `l2`, `cp`, or `shell`, which calls the closure of
+    /// [`Self::solve_with_search`].
     ///
     /// # Errors
-    /// If a PETSc call fails, e.g. for an unknown name.
+    /// If the name is another one, or if a PETSc call fails.
     pub fn set_line_search_type(&mut self, name: &str) -> Result<()> {
+        let name = type_name(name, &["basic", "bt", "l2", "cp", "shell"])?;
         // SAFETY: the line search is valid; PETSc copies the string.
-        check(unsafe { sys::SNESLineSearchSetType(self.line_search()?, to_c(name).as_ptr()) })
+        check(unsafe { sys::SNESLineSearchSetType(self.line_search()?, name.as_ptr()) })
     }
 
     /// The linear solver.
@@ -164,9 +167,9 @@ impl Snes {
         let mut ksp = std::ptr::null_mut();
         // SAFETY: the linear solver belongs to the nonlinear solver, is on the same ranks, and stays while the
         // nonlinear solver is borrowed.
-        check(unsafe { sys::SNESGetKSP(self.raw(), &raw mut ksp) })?;
+        check(unsafe { sys::SNESGetKSP(self.raw()?, &raw mut ksp) })?;
         // SAFETY: as above; outside a solve its callbacks are functions that return an error.
-        Ok(unsafe { Ksp::lent(ksp, self.comm()) })
+        Ok(unsafe { Ksp::lent(ksp, &self.object) })
     }
 
     /// Sets the stopping criteria.
@@ -180,7 +183,7 @@ impl Snes {
         let count = |limit: Option<usize>| limit.map_or(Ok(sys::PETSC_DEFAULT as Int), int);
         let (iterations, evaluations) = (count(tolerances.iterations)?, count(tolerances.evaluations)?);
         // SAFETY: the solver is valid; PETSc's default mark leaves the other limits unchanged.
-        check(unsafe { sys::SNESSetTolerances(self.raw(), absolute, relative, step, iterations, evaluations) })
+        check(unsafe { sys::SNESSetTolerances(self.raw()?, absolute, relative, step, iterations, evaluations) })
     }
 
     /// Euclidean norm of the residual below which a solve has converged.
@@ -189,7 +192,7 @@ impl Snes {
     /// If a PETSc call fails.
     pub fn absolute_tolerance(&self) -> Result<f64> {
         let (mut value, none) = (0.0, std::ptr::null_mut());
-        let (raw, unasked) = (self.raw(), std::ptr::null_mut());
+        let (raw, unasked) = (self.raw()?, std::ptr::null_mut());
         // SAFETY: the solver is valid; a null pointer requests nothing.
         check(unsafe { sys::SNESGetTolerances(raw, &raw mut value, none, none, unasked, unasked) })?;
         Ok(value)
@@ -201,7 +204,7 @@ impl Snes {
     /// If a PETSc call fails, e.g. for `Every(0)`.
     pub fn set_preconditioner_lag(&mut self, lag: Lag) -> Result<()> {
         // SAFETY: the solver is valid.
-        check(unsafe { sys::SNESSetLagPreconditioner(self.raw(), lag.raw()?) })
+        check(unsafe { sys::SNESSetLagPreconditioner(self.raw()?, lag.raw()?) })
     }
 
     /// Takes ownership of the matrix for the Jacobian, which must have all its entries. Collective.
@@ -217,7 +220,7 @@ impl Snes {
             matrix.row_layout().require_same(before.row_layout())?;
         }
         // SAFETY: all are valid; PETSc counts its own references. The callback is set by each solve.
-        check(unsafe { sys::SNESSetJacobian(self.raw(), matrix.raw(), matrix.raw(), None, std::ptr::null_mut()) })?;
+        check(unsafe { sys::SNESSetJacobian(self.raw()?, matrix.raw(), matrix.raw(), None, std::ptr::null_mut()) })?;
         self.jacobian = Some(matrix);
         Ok(())
     }
@@ -228,7 +231,7 @@ impl Snes {
     /// If a PETSc call fails, e.g. for unknown types among the options.
     pub fn set_from_options(&mut self) -> Result<()> {
         // SAFETY: the solver is valid.
-        check(unsafe { sys::SNESSetFromOptions(self.raw()) })
+        check(unsafe { sys::SNESSetFromOptions(self.raw()?) })
     }
 
     /// Solves residual(x) = 0 from the given x; returns the number of iterations. Collective.
@@ -274,10 +277,10 @@ impl Snes {
         let mut context = Context { comm, residual, jacobian, search, stop: None };
         let pointer = std::ptr::from_mut(&mut context);
         // From here on PETSc knows the context. Dropping `callbacks` removes it, whatever the outcome.
-        let callbacks = Callbacks { snes: self };
+        let (raw, callbacks) = (self.raw()?, Callbacks { snes: self });
         let solved = callbacks.set(matrix.raw(), pointer).and_then(|()| {
             // SAFETY: all are valid; b = 0. The closures cannot reach the solver or x, which are borrowed.
-            check(unsafe { sys::SNESSolve(callbacks.snes.raw(), std::ptr::null_mut(), x.raw()) })
+            self.object.solved(unsafe { sys::SNESSolve(raw, std::ptr::null_mut(), x.raw()) })
         });
         drop(callbacks);
         match context.stop.take() {
@@ -291,7 +294,7 @@ impl Snes {
     fn reason(&self) -> Result<sys::SNESConvergedReason> {
         let mut reason = sys::SNESConvergedReason(0);
         // SAFETY: the solver is valid.
-        check(unsafe { sys::SNESGetConvergedReason(self.raw(), &raw mut reason) })?;
+        check(unsafe { sys::SNESGetConvergedReason(self.raw()?, &raw mut reason) })?;
         Ok(reason)
     }
 
@@ -304,7 +307,7 @@ impl Snes {
     }
 
     fn outcome(&self) -> Result<usize> {
-        let raw = self.raw();
+        let raw = self.raw()?;
         let (mut iterations, mut norm) = (0, 0.0);
         // SAFETY: the solver is valid and has solved; the out-pointers are valid, here and below.
         check(unsafe { sys::SNESGetIterationNumber(raw, &raw mut iterations) })?;

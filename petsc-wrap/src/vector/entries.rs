@@ -16,9 +16,13 @@ impl VectorView {
         let mut data = std::ptr::null();
         // SAFETY: the vector is valid; the guard restores the array.
         check(unsafe { sys::VecGetArrayRead(self.raw(), &raw mut data) })?;
-        let readers = &self.inner().readers;
-        readers.set(readers.get() + 1);
-        Ok(ReadGuard { vector: self, data, len: self.local_len() })
+        let entries = match self.local_len() {
+            0 => &[],
+            // SAFETY: PETSc's array has `len` entries and stays while the vector lives. PETSc writes to it only in
+            // calls that take the vector by `&mut`.
+            len => unsafe { std::slice::from_raw_parts(data, len) },
+        };
+        Ok(ReadGuard { vector: self, entries })
     }
 
     /// This rank's entries, writable, until the guard is dropped.
@@ -27,73 +31,57 @@ impl VectorView {
     /// If a PETSc call fails.
     pub fn write(&mut self) -> Result<WriteGuard<'_>> {
         let mut data = std::ptr::null_mut();
-        // SAFETY: the vector is valid; the guard restores the array.
+        // SAFETY: the vector is valid.
         check(unsafe { sys::VecGetArray(self.raw(), &raw mut data) })?;
-        let len = self.local_len();
-        Ok(WriteGuard { vector: self, data, len })
+        let mut restored = data;
+        // The array is restored before it is written: this makes PETSc forget the norms that it knows, also if the
+        // guard is leaked. Nobody can ask for a norm while the guard borrows the vector.
+        // SAFETY: as above.
+        check(unsafe { sys::VecRestoreArray(self.raw(), &raw mut restored) })?;
+        Ok(WriteGuard(match self.local_len() {
+            0 => &mut [],
+            // SAFETY: the array has `len` entries. A vector of type `seq` or `mpi` keeps it, at the same place, as long
+            // as it lives, and it is borrowed mutably.
+            len => unsafe { std::slice::from_raw_parts_mut(data, len) },
+        }))
     }
 }
 
 /// Read-only view of a rank's entries.
 pub struct ReadGuard<'a> {
     vector: &'a VectorView,
-    data: *const f64,
-    len: usize,
+    entries: &'a [f64],
 }
 
 impl Deref for ReadGuard<'_> {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
-        if self.len == 0 {
-            return &[];
-        }
-        // SAFETY: PETSc's array has `len` entries and stays until it is restored in `drop`.
-        unsafe { std::slice::from_raw_parts(self.data, self.len) }
+        self.entries
     }
 }
 
 impl Drop for ReadGuard<'_> {
     fn drop(&mut self) {
-        // SAFETY: returns what `read` obtained.
-        unsafe { sys::VecRestoreArrayRead(self.vector.raw(), &raw mut self.data) };
-        let readers = &self.vector.inner().readers;
-        readers.set(readers.get() - 1);
+        let mut data = self.entries.as_ptr();
+        // SAFETY: the vector is valid; its entries were obtained by `read`. (PETSc does not use the pointer.)
+        unsafe { sys::VecRestoreArrayRead(self.vector.raw(), &raw mut data) };
     }
 }
 
 /// Writable view of a rank's entries.
-pub struct WriteGuard<'a> {
-    vector: &'a mut VectorView,
-    data: *mut f64,
-    len: usize,
-}
+pub struct WriteGuard<'a>(&'a mut [f64]);
 
 impl Deref for WriteGuard<'_> {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
-        if self.len == 0 {
-            return &[];
-        }
-        // SAFETY: PETSc's array has `len` entries and stays until it is restored in `drop`.
-        unsafe { std::slice::from_raw_parts(self.data, self.len) }
+        self.0
     }
 }
 
 impl DerefMut for WriteGuard<'_> {
     fn deref_mut(&mut self) -> &mut [f64] {
-        if self.len == 0 {
-            return &mut [];
-        }
-        // SAFETY: as in `deref`; the vector is borrowed mutably.
-        unsafe { std::slice::from_raw_parts_mut(self.data, self.len) }
-    }
-}
-
-impl Drop for WriteGuard<'_> {
-    fn drop(&mut self) {
-        // SAFETY: returns what `write` obtained.
-        unsafe { sys::VecRestoreArray(self.vector.raw(), &raw mut self.data) };
+        self.0
     }
 }

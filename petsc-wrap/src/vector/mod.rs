@@ -2,7 +2,6 @@
 
 mod entries;
 
-use std::cell::Cell;
 use std::ops::Range;
 
 use petsc_sys as sys;
@@ -31,22 +30,16 @@ pub use entries::{ReadGuard, WriteGuard};
 /// # Ok(())
 /// # }
 /// ```
-pub struct Vector(Inner);
+pub struct Vector(Object<sys::_p_Vec>);
 
 /// A [`Vector`], or one that PETSc lends to a closure: the object behind it cannot be moved, swapped or replaced.
 ///
 /// Two vectors fit each other if they live on the same ranks and have the same number of entries on each rank. All
 /// methods that take another vector return [`crate::Error::Invalid`], on all ranks, if it does not fit.
 #[repr(transparent)]
-pub struct VectorView([Inner]);
+pub struct VectorView([Object<sys::_p_Vec>]);
 
-struct Inner {
-    object: Object<sys::_p_Vec>,
-    /// Number of read guards that are alive.
-    readers: Cell<usize>,
-}
-
-viewed!(Vector as VectorView of Inner);
+viewed!(Vector as VectorView of Object<sys::_p_Vec>);
 
 impl Vector {
     /// Creates a vector of zeros with `local` entries on this rank. Collective.
@@ -74,7 +67,7 @@ impl Vector {
     /// Nobody else uses the vector while this lives.
     pub unsafe fn from_raw(raw: sys::Vec, comm: &Comm) -> Self {
         // SAFETY: guaranteed by the caller.
-        Self(Inner { object: unsafe { Object::new(raw, comm) }, readers: Cell::new(0) })
+        Self(unsafe { Object::new(raw, comm) })
     }
 
     /// A vector that still belongs to another owner.
@@ -83,7 +76,7 @@ impl Vector {
     /// Same as [`Self::from_raw`], except that the owner keeps the reference during `'a`.
     pub(crate) unsafe fn lent<'a>(raw: sys::Vec, comm: &Comm) -> Lent<'a, Self> {
         // SAFETY: guaranteed by the caller.
-        Lent::new(Self(Inner { object: unsafe { Object::lent(raw, comm) }, readers: Cell::new(0) }))
+        Lent::new(Self(unsafe { Object::lent(raw, comm) }))
     }
 
     /// Destroys the object immediately. Collective.
@@ -91,13 +84,13 @@ impl Vector {
     /// # Errors
     /// If a PETSc call fails.
     pub fn destroy(self) -> Result<()> {
-        self.0.object.destroy()
+        self.0.destroy()
     }
 }
 
 impl VectorView {
     pub(crate) fn raw(&self) -> sys::Vec {
-        self.inner().object.raw()
+        self.inner().raw()
     }
 
     /// The raw handle. It is valid while `self` lives.
@@ -107,7 +100,7 @@ impl VectorView {
 
     /// The communicator of this object.
     pub fn comm(&self) -> &Comm {
-        self.inner().object.comm()
+        self.inner().comm()
     }
 
     /// Distribution of the entries over the ranks.
@@ -117,11 +110,6 @@ impl VectorView {
         unsafe { sys::VecGetOwnershipRanges(self.raw(), &raw mut ranges) };
         // SAFETY: the array of a vector's layout stays as long as the vector.
         unsafe { Layout::from_raw(self.comm(), ranges) }
-    }
-
-    /// Whether a [`ReadGuard`] of this vector is alive.
-    pub(crate) fn is_read(&self) -> bool {
-        self.inner().readers.get() > 0
     }
 
     /// Returns a vector of zeros with the same layout. Collective.
