@@ -106,7 +106,7 @@ fn the_command_line_outlives_the_start(session: &Session) {
     // SAFETY: there are `count` strings.
     let words = (0..count as usize).map(|i| unsafe { std::ffi::CStr::from_ptr(*words.add(i)) });
     let words: Vec<&str> = words.map(|word| word.to_str().unwrap()).collect();
-    assert_eq!(words[2..], ["-session_test", "7"]);
+    assert_eq!(words[3..], ["-session_test", "7"]);
     assert_eq!(words[0], std::env::args().next().unwrap());
 }
 

@@ -59,3 +59,17 @@ fn available() -> Option<f64> {
     let left = of_group("max").zip(of_group("current")).map(|(most, now)| (most - now).max(0.0));
     Some(left.map_or(of_system, |left| left.min(of_system)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_machine_has_is_refused() {
+        let need =
+            |bytes: f64| check(None, Need { bytes, what: "the matrices", key: "body.cells", help: "coarser cells" });
+        assert!(need(1.0).is_ok());
+        let error = need(1e18).expect_err("an exabyte").to_string();
+        assert!(error.contains("the matrices would take 1000000000000 MB") && error.contains("are free"), "{error}");
+    }
+}

@@ -30,7 +30,7 @@ pub struct Measures {
 }
 
 /// Radius around the impact point in which the surface is looked at for its curvature, in lengths of cells there.
-const CELLS_AROUND: f64 = 3.0;
+const CELLS_AROUND: f64 = 2.0;
 
 /// Smallest cosine of the angle between normals of one smooth surface within this radius.
 const SMOOTH: f64 = 0.7;

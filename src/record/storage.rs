@@ -123,7 +123,8 @@ pub(super) fn update_text(at: &Location, name: &str, text: &str) -> Result<()> {
 }
 
 fn fixed<const N: usize>(text: &str) -> Result<Box<FixedUnicode<N>>> {
-    text.parse().map(Box::new).map_err(|_| format!("{text:?} holds a NUL character, or is too long").into())
+    let fits = text.parse().ok().filter(|_| !text.contains('\0'));
+    fits.map(Box::new).ok_or_else(|| format!("{text:?} holds a NUL character, or is too long").into())
 }
 
 /// Reads a text attribute.
@@ -146,6 +147,9 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<String> {
 pub(super) fn write_long_text(group: &Group, name: &str, text: &str) -> Result<()> {
     if text.len() <= LONGEST {
         return write_text(group, name, text);
+    }
+    if text.contains('\0') {
+        return Err(format!("the text of {name} holds a NUL character").into());
     }
     group.new_dataset_builder().with_data(text.as_bytes()).create(name).map(|_| ())
 }

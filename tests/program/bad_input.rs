@@ -185,7 +185,7 @@ fn meshes() {
             before: [Before::Nothing, Before::Result][n % 2],
             // Every third case is enough for errors that rank 0 finds before PETSc reads the mesh. The later errors are
             // at the end of the table.
-            ranks: if n % 3 == 0 || n > 33 { BOTH } else { ALONE },
+            ranks: if n % 3 == 0 || n > 31 { BOTH } else { ALONE },
         }
     };
     let cases: Vec<Case> = bad_meshes::table().into_iter().enumerate().map(case).collect();
@@ -213,7 +213,7 @@ fn scenes_on_a_good_mesh() {
         case(
             "a name that marks nothing",
             "support.0.surface=middle",
-            &[":8: support.0.surface: ", "no surface \"middle\""],
+            &[":8: support.0.surface: ", "the surface \"middle\"", "has no faces"],
         ),
         case(
             "off the body",

@@ -249,7 +249,7 @@ fn a_result_is_run_again_from_itself() {
     let folder = folder(&scene("").replace("end = 0.1", "end = 0.01"));
     good(&folder, 0, "run scene.toml -o out.h5 --set time.step=1e-5 -- -ksp_type cg -pc_type jacobi -ksp_rtol 1e-11");
     fs::remove_file(folder.path().join("scene.toml")).unwrap();
-    good(&folder, 0, "run out.h5 -o again.h5");
+    good(&folder, 0, "run out.h5 -o again.h5 --stored-options");
     check_alike(&folder.path().join("again.h5"), &folder.path().join("out.h5"), 0.0);
     let outcome = good(&folder, 0, "info again.h5");
     for words in ["Small plate", "complete", "1001 rows", "-ksp_type cg", "contact    0.0000 to "] {

@@ -140,10 +140,10 @@ impl GmshFile {
             let (2 | 3) = dimension else { continue };
             let (groups, first_of_name) = (&mut self.groups[dimension - 2], &mut self.first_of_name[dimension - 2]);
             let known = groups.iter().find(|group| group.name == name).map(|group| group.number);
-            let first = known.unwrap_or(number);
-            if first_of_name.insert(number, first).is_some_and(|before| before != first) {
+            if first_of_name.get(&number).is_some_and(|before| known != Some(*before)) {
                 return tokens.error(format!("physical group {number} of dimension {dimension} has two names"));
             }
+            first_of_name.insert(number, known.unwrap_or(number));
             if known.is_none() {
                 groups.push(PhysicalGroup { number, name: name.to_owned() });
             }

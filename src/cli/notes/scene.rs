@@ -458,6 +458,22 @@ mod tests {
         assert!(is_cut(0.391, soft) && !is_cut(0.39, soft));
     }
 
+    /// A table in mm and kN has forces far below the weight of the impactor; a direction along the face is no impact.
+    #[test]
+    fn units_of_a_law_and_a_grazing_direction_are_noted() {
+        let noted = |kind: &str, overrides: &[&str]| {
+            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+            let scene = Scene::parse("scene", PANE, &overrides).expect("a scene").0;
+            of_geometry(&scene, None).iter().any(|warning| warning.kind == kind)
+        };
+        let table = |points: &str| {
+            noted("units of a law", &["contact={}", "contact.law=table", &format!("contact.table={points}")])
+        };
+        assert!(table("[[0,0],[100,4]]") && !table("[[0,0],[0.1,4000]]"));
+        let along = |direction: &str| noted("grazing direction", &[&format!("impactor.direction={direction}")]);
+        assert!(along("[1,0,-1e-6]") && along("[1,0,-0.05]") && !along("[1,0,-0.2]") && !along("[0,0,-1]"));
+    }
+
     /// There is no note if the radius of the disc is as given, or if none is given.
     #[test]
     fn a_changed_radius_of_the_disc_is_noted() {

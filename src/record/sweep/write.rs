@@ -293,6 +293,11 @@ impl SweepWriter {
             file.dataset("members/message")?.write_slice(&message, index..index + 1)?;
         }
         if let Some(series) = member.series.as_ref().filter(|_| member.status == Status::Done) {
+            // Of a member whose status did not reach the disk.
+            let root = file.group("series")?;
+            if root.link_exists(&index.to_string()) {
+                root.unlink(&index.to_string())?;
+            }
             for (values, column) in series.iter().zip(&SERIES) {
                 let path = series_path(index, column.path);
                 let dataset = file.new_dataset_builder().with_data(values).create(path.as_str())?;

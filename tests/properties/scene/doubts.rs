@@ -88,6 +88,20 @@ fn shear_and_bulk_moduli_in_other_units_are_told() {
     assert_eq!(doubted_of(LAMINATE, &["material.interlayer.shear=0"]), Vec::<String>::new());
 }
 
+/// Relative terms, as other programs have them, are told; small ones in Pa beside a small modulus are not.
+#[test]
+fn relative_relaxation_is_told() {
+    let terms = "material.interlayer.prony=[{modulus=0.6,time=1e-4},{modulus=0.35,time=1e-2}]";
+    let said = doubted_of(LAMINATE, &["material.interlayer.shear=1e6", terms]);
+    assert!(
+        matches!(&said[..], [one] if one.contains("material.interlayer.prony: the terms have 0.95 Pa in all")
+            && one.contains("multiplied by the shear modulus at t = 0")),
+        "{said:?}"
+    );
+    let large = "material.interlayer.prony=[{modulus=0.6e6,time=1e-4},{modulus=0.35e6,time=1e-2}]";
+    assert_eq!(doubted_of(LAMINATE, &["material.interlayer.shear=1e6", large]), Vec::<String>::new());
+}
+
 /// A layer's thickness in millimetres is told: one layer, and all of them.
 #[test]
 fn a_thickness_in_millimetres_is_told() {
@@ -123,6 +137,9 @@ fn a_temperature_in_kelvin_is_told() {
          [material.soft]\ndensity = 1100.0\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
          wlf = { reference = 20.0, c1 = 12.6, c2 = 74.46 }\n\
          [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n";
+    let overrides = ["body.temperature=20", "material.soft.wlf.reference=293.15"].map(str::to_owned);
+    let error = Scene::parse("scene.toml", scene, &overrides).expect_err("below the pole");
+    assert!(error.to_string().contains("wlf") && error.advice().contains("293.15 K are 20 °C"), "{error}");
     let cold = doubted_of(scene, &["body.temperature=200.15"]);
     assert!(matches!(&cold[..], [one] if one.contains("200.15 K are -73 °C")), "{cold:?}");
     let (scene, source) = Scene::parse("scene.toml", scene, &[]).unwrap();
