@@ -62,7 +62,7 @@ pub fn extremes(path: &Path) -> Result<Option<Extremes>> {
 }
 
 fn of(file: &hdf5::File, faces: Vec<Largest>) -> hdf5::Result<Option<Extremes>> {
-    let column = |name: &str| storage::read::<f64>(&file, &format!("series/{name}"));
+    let column = |name: &str| storage::read::<f64>(file, &format!("series/{name}"));
     let time = column("time")?;
     let largest = |values: &[f64], size: fn(f64) -> f64| {
         let rows = time.iter().zip(values).filter(|(_, value)| !value.is_nan());
@@ -91,7 +91,7 @@ fn of(file: &hdf5::File, faces: Vec<Largest>) -> hdf5::Result<Option<Extremes>> 
         }
     }
     // Contact episodes have their peaks from all steps, recorded or not.
-    let of_contacts = |name: &str| storage::read::<f64>(&file, &format!("contacts/{name}"));
+    let of_contacts = |name: &str| storage::read::<f64>(file, &format!("contacts/{name}"));
     let peaks = of_contacts("peak_force")?.into_iter().zip(of_contacts("peak_time")?);
     let peaks = peaks.map(|(value, time)| Extreme { value, time });
     let of_rows = largest(&column("contact/force")?, |value| value);

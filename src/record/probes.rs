@@ -24,7 +24,7 @@ pub(super) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Re
     for (number, name) in names.iter().enumerate() {
         for (column, put) in COLUMNS.iter().zip(FIELDS_OF_PROBE) {
             let dataset = format!("series/probe/{name}/{}", column.0);
-            let values = storage::read::<f64>(&file, &dataset)?;
+            let values = storage::read::<f64>(file, &dataset)?;
             if values.len() < 3 * rows {
                 return Err(format!("/{dataset} has {} rows, and its checkpoint {rows}", values.len() / 3).into());
             }
@@ -57,7 +57,7 @@ pub(super) fn write(file: &hdf5::File, parent: &str, name: &str, whole: &ProbeHi
 
 /// Reads all rows of a probe from the group `parent`.
 pub(super) fn read(file: &hdf5::File, parent: &str, name: &str) -> hdf5::Result<ProbeHistory> {
-    let column = |of: &str| storage::read::<f64>(&file, &format!("{parent}/probe/{name}/{of}"));
+    let column = |of: &str| storage::read::<f64>(file, &format!("{parent}/probe/{name}/{of}"));
     let [displacement, velocity, stress] = COLUMNS.map(|(of, ..)| column(of));
     Ok([displacement?, velocity?, stress?])
 }

@@ -118,8 +118,13 @@ pub(super) fn write_text_with_room(at: &Location, name: &str, text: &str, room: 
 pub(super) fn update_text(at: &Location, name: &str, text: &str) -> Result<()> {
     let attribute = at.attr(name)?;
     let room = attribute.dtype()?.size();
-    let text = &text[..text.floor_char_boundary(room)];
-    attribute.write_scalar(&*fixed::<LONGEST>(text)?)
+    attribute.write_scalar(&*fixed::<LONGEST>(cut(text, room))?)
+}
+
+/// The beginning of a text, of at most so many bytes.
+pub(super) fn cut(text: &str, bytes: usize) -> &str {
+    let end = (0..=bytes.min(text.len())).rev().find(|end| text.is_char_boundary(*end));
+    &text[..end.unwrap_or_default()]
 }
 
 fn fixed<const N: usize>(text: &str) -> Result<Box<FixedUnicode<N>>> {

@@ -470,7 +470,9 @@ mod tests {
             noted("units of a law", &["contact={}", "contact.law=table", &format!("contact.table={points}")])
         };
         assert!(table("[[0,0],[100,4]]") && !table("[[0,0],[0.1,4000]]"));
-        let along = |direction: &str| noted("grazing direction", &[&format!("impactor.direction={direction}")]);
+        let along = |direction: &str| {
+            noted("grazing direction", &["impactor.point=[0,0,0.006]", &format!("impactor.direction={direction}")])
+        };
         assert!(along("[1,0,-1e-6]") && along("[1,0,-0.05]") && !along("[1,0,-0.2]") && !along("[0,0,-1]"));
     }
 

@@ -117,7 +117,7 @@ impl Stresses {
     }
 
     fn of(file: &hdf5::File, group: &hdf5::Group) -> hdf5::Result<Self> {
-        let mut time = storage::read::<f64>(&file, "series/time")?;
+        let mut time = storage::read::<f64>(file, "series/time")?;
         let mut faces = Vec::new();
         for of_face in group.groups()? {
             let name = of_face.name().rsplit('/').next().unwrap_or_default().to_owned();

@@ -86,7 +86,7 @@ pub(in crate::record) fn rings(of: &Faces, steps: &[Step]) -> Vec<f64> {
 pub(in crate::record) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<FaceTension>>> {
     let mut all = vec![Vec::with_capacity(names.len()); rows];
     for name in names {
-        let column = |of: &str| storage::read::<f64>(&file, &format!("{GROUP}/{name}/{of}"));
+        let column = |of: &str| storage::read::<f64>(file, &format!("{GROUP}/{name}/{of}"));
         let (largest, points) = (column("largest")?, column("point")?);
         if largest.len() < rows || points.len() < 3 * rows {
             return Err(format!("/{GROUP}/{name} has {} rows, and its checkpoint {rows}", largest.len()).into());

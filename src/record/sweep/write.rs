@@ -405,6 +405,5 @@ fn plain(error: &std::io::Error) -> String {
 
 /// Text cut to [`MESSAGE`] bytes, with NUL characters replaced by spaces.
 fn fixed(text: &str) -> Message {
-    let end = (0..=MESSAGE.min(text.len())).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
-    text[..end].replace('\0', " ").parse().unwrap_or_default()
+    storage::cut(text, MESSAGE).replace('\0', " ").parse().unwrap_or_default()
 }

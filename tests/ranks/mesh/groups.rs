@@ -193,27 +193,29 @@ fn scene(mesh: &Path, materials: &str) -> Scene {
 
 const ONE: &str = "young = 70e9\npoisson = 0.23\ndensity = 2500.0";
 
+/// A test: its groups, the tags of its elements, and its surfaces with their numbers of faces.
+struct Case<'a> {
+    what: &'a str,
+    names: &'a [(i32, i32, &'static str)],
+    tags: [&'static [i32]; 5],
+    surfaces: &'a [(&'a str, f64)],
+}
+
 fn areas_are_those_of_the_groups(session: &Session) {
     let named = [(2, 1, "side"), (2, 2, "top"), (3, 1, "block")];
     let one_name = [(2, 1, "side"), (2, 7, "side"), (2, 2, "top")];
     let a_number = [(2, 1, "side"), (2, 2, "9")];
-    type Tags = [&'static [i32]; 5];
-    // (What the test is of, names, tags, and the surfaces with their number of faces.)
-    let cases: [(&str, &[(i32, i32, &str)], Tags, &[(&str, f64)]); 6] = [
-        ("plain", &named, [&[1], &[1], &[1], &[1], &[2]], &[("side", 2.0), ("top", 1.0)]),
-        ("a reversed surface", &named, [&[1], &[-1], &[1], &[-1], &[-2]], &[("side", 2.0), ("top", 1.0)]),
-        ("faces in two groups", &named, [&[1], &[1], &[1, 2], &[-2, 1], &[2]], &[("side", 2.0), ("top", 3.0)]),
-        ("groups of one name", &one_name, [&[], &[], &[1], &[7], &[2]], &[("side", 2.0), ("top", 1.0)]),
-        (
-            "a group without a name",
-            &named,
-            [&[1], &[1], &[1], &[33], &[2]],
-            &[("33", 1.0), ("side", 1.0), ("top", 1.0)],
-        ),
+    let case = |what, names, tags, surfaces| Case { what, names, tags, surfaces };
+    let cases = [
+        case("plain", &named, [&[1], &[1], &[1], &[1], &[2]], &[("side", 2.0), ("top", 1.0)]),
+        case("a reversed surface", &named, [&[1], &[-1], &[1], &[-1], &[-2]], &[("side", 2.0), ("top", 1.0)]),
+        case("faces in two groups", &named, [&[1], &[1], &[1, 2], &[-2, 1], &[2]], &[("side", 2.0), ("top", 3.0)]),
+        case("groups of one name", &one_name, [&[], &[], &[1], &[7], &[2]], &[("side", 2.0), ("top", 1.0)]),
+        case("no name", &named, [&[1], &[1], &[1], &[33], &[2]], &[("33", 1.0), ("side", 1.0), ("top", 1.0)]),
         // The name wins.
-        ("a number as a name", &a_number, [&[], &[], &[1], &[9], &[2]], &[("9", 1.0), ("side", 1.0)]),
+        case("a number as a name", &a_number, [&[], &[], &[1], &[9], &[2]], &[("9", 1.0), ("side", 1.0)]),
     ];
-    for (what, names, tags, surfaces) in cases {
+    for Case { what, names, tags, surfaces } in cases {
         for (shape, face, volume) in [(0, 1.0, 2.0), (1, 0.5, 1.0 / 3.0)] {
             let written = if shape == 0 { cubes(names, tags) } else { tetrahedra(names, tags) };
             for format in FORMATS {
