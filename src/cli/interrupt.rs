@@ -20,7 +20,7 @@ use super::{is_root_by_environment, tell};
 pub enum Ending {
     /// At once: nothing would be lost.
     AtOnce,
-    /// In order if that takes no longer than [`GRACE`]: what is on the disk is whole at any time.
+    /// In order if that takes no longer than two seconds: what is on the disk is whole at any time.
     Soon,
     /// In order, however long the present step takes.
     InOrder,
