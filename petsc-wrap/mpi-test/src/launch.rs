@@ -18,6 +18,9 @@ pub fn mpirun(ranks: usize) -> Command {
         // scheduler.
         .env("OMPI_MCA_mpi_yield_when_idle", "1")
         .env("OMPI_MCA_btl_vader_single_copy_mechanism", "none")
+        // All ranks are on this machine. Without this, Open MPI 5 complains on standard error about network interfaces
+        // that have addresses of both IPv4 and IPv6.
+        .env("OMPI_MCA_btl_tcp_if_include", "lo")
         .env("OMP_NUM_THREADS", "1");
     command
 }
