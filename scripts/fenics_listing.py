@@ -71,10 +71,9 @@ def dolfin_mesh(source, surface):
         editor.add_cell(number, cell)
     editor.close()
     marks = df.MeshFunction("size_t", mesh, 2, 0)
-    # Facets first: newer versions of dolfin do not make them for what follows.
-    mesh.init(2)
     mesh.init(2, 0)
-    facet_of = {tuple(sorted(facet.entities(0))): facet.index() for facet in df.facets(mesh)}
+    # As a list: Python 3.13 calls iter() twice in a comprehension, and dolfin's iterators end by the second call.
+    facet_of = {tuple(sorted(facet.entities(0))): facet.index() for facet in list(df.facets(mesh))}
     for triangle in source.surfaces[surface]:
         marks[facet_of[tuple(sorted(triangle))]] = 1
     return mesh, marks
