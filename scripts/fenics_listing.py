@@ -147,7 +147,7 @@ class Impact(df.NonlinearProblem):
         # symbolic part of the LU is made once. The printed 2x2 block of +-1 holds where p is a vertex;
         # the product of all entries of a holds anywhere.
         self.contact = df.PETScMatrix()
-        df.assemble(self.jacobian, tensor=self.contact)
+        assemble(self.jacobian, self.contact)
         self.contact.zero()
         values = self.localisation.get_local()
         entries = np.flatnonzero(values)
@@ -167,14 +167,14 @@ class Impact(df.NonlinearProblem):
     def F(self, b, x):
         """Residual b at x, which is the vector of self.w."""
         start = time.perf_counter()
-        df.assemble(self.residual, tensor=b)
+        assemble(self.residual, b)
         b.axpy(self.force(), self.localisation)
         self.assembly_seconds += time.perf_counter() - start
 
     def J(self, A, x):
         """Jacobian A at x; from derivative(F, w), assembled in every iteration as in the listing."""
         start = time.perf_counter()
-        df.assemble(self.jacobian, tensor=A)
+        assemble(self.jacobian, A)
         tangent = 1.5 * self.contact_stiffness * math.sqrt(max(self.indentation(), 0.0))
         A.axpy(tangent, self.contact, True)
         self.assembly_seconds += time.perf_counter() - start
@@ -191,6 +191,11 @@ class Impact(df.NonlinearProblem):
         self.velocity.vector().axpy(step * GAMMA, new)
         self.acceleration.vector()[:] = new
         self.w_old.assign(self.w)
+
+
+def assemble(form, tensor):
+    """Assembles a compiled form as dolfin.assemble does, whose newer versions fail on compiled forms."""
+    df.cpp.fem.Assembler().assemble(tensor, form)
 
 
 def parts(w):
