@@ -71,10 +71,9 @@ def dolfin_mesh(source, surface):
         editor.add_cell(number, cell)
     editor.close()
     marks = df.MeshFunction("size_t", mesh, 2, 0)
-    # Facets first: newer versions of dolfin do not make them for what follows.
-    mesh.init(2)
     mesh.init(2, 0)
-    facet_of = {tuple(sorted(facet.entities(0))): facet.index() for facet in df.facets(mesh)}
+    # As a list: Python 3.13 calls iter() twice in a comprehension, and dolfin's iterators end by the second call.
+    facet_of = {tuple(sorted(facet.entities(0))): facet.index() for facet in list(df.facets(mesh))}
     for triangle in source.surfaces[surface]:
         marks[facet_of[tuple(sorted(triangle))]] = 1
     return mesh, marks
@@ -148,7 +147,7 @@ class Impact(df.NonlinearProblem):
         # symbolic part of the LU is made once. The printed 2x2 block of +-1 holds where p is a vertex;
         # the product of all entries of a holds anywhere.
         self.contact = df.PETScMatrix()
-        df.assemble(self.jacobian, tensor=self.contact)
+        assemble(self.jacobian, self.contact)
         self.contact.zero()
         values = self.localisation.get_local()
         entries = np.flatnonzero(values)
@@ -168,14 +167,14 @@ class Impact(df.NonlinearProblem):
     def F(self, b, x):
         """Residual b at x, which is the vector of self.w."""
         start = time.perf_counter()
-        df.assemble(self.residual, tensor=b)
+        assemble(self.residual, b)
         b.axpy(self.force(), self.localisation)
         self.assembly_seconds += time.perf_counter() - start
 
     def J(self, A, x):
         """Jacobian A at x; from derivative(F, w), assembled in every iteration as in the listing."""
         start = time.perf_counter()
-        df.assemble(self.jacobian, tensor=A)
+        assemble(self.jacobian, A)
         tangent = 1.5 * self.contact_stiffness * math.sqrt(max(self.indentation(), 0.0))
         A.axpy(tangent, self.contact, True)
         self.assembly_seconds += time.perf_counter() - start
@@ -192,6 +191,11 @@ class Impact(df.NonlinearProblem):
         self.velocity.vector().axpy(step * GAMMA, new)
         self.acceleration.vector()[:] = new
         self.w_old.assign(self.w)
+
+
+def assemble(form, tensor):
+    """Assembles a compiled form as dolfin.assemble does, whose newer versions fail on compiled forms."""
+    df.cpp.fem.Assembler().assemble(tensor, form)
 
 
 def parts(w):
