@@ -473,7 +473,7 @@ mod tests {
         let along = |direction: &str| {
             noted("grazing direction", &["impactor.point=[0,0,0.006]", &format!("impactor.direction={direction}")])
         };
-        assert!(along("[1,0,-1e-6]") && along("[1,0,-0.05]") && !along("[1,0,-0.2]") && !along("[0,0,-1]"));
+        assert!(along("[1,0,-0.05]") && !along("[1,0,-0.2]") && !along("[0,0,-1]"));
     }
 
     /// There is no note if the radius of the disc is as given, or if none is given.

@@ -50,10 +50,6 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
         let message = format!("there are {} supports", raw.support.0.len());
         return Err(source.error("support", message, format!("at most {MOST_SUPPORTS}")));
     }
-    if raw.support.0.len() > MOST_SUPPORTS {
-        let message = format!("there are {} supports", raw.support.0.len());
-        return Err(source.error("support", message, format!("at most {MOST_SUPPORTS}")));
-    }
     let supports = raw
         .support
         .0
