@@ -6,10 +6,10 @@ use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
 use nalgebra::DMatrix;
 use petsc_wrap::Comm;
+use std::ops::Range;
 
 use super::memory;
 use crate::error::Result;
-use std::ops::Range;
 
 /// Vectors of equal length, stored one after the other. If distributed, each rank has some of the rows, and operations
 /// that sum over rows are collective.

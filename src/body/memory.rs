@@ -15,8 +15,9 @@ pub(crate) struct Need<'a> {
     pub bytes: f64,
     /// What they hold.
     pub what: &'a str,
-    /// Key of the scene on which it depends, and what lowers it.
+    /// Key of the scene on which it depends.
     pub key: &'a str,
+    /// What lowers it.
     pub help: &'a str,
 }
 

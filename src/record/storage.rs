@@ -1,8 +1,7 @@
 //! HDF5 files: how they are created and opened, and how texts and datasets are read from them.
 //!
 //! A result may come from somebody else, and may be damaged. So texts have a fixed length (the library's heap of texts of
-//! any length crashes where it is damaged), nothing outside the file is read, and no more memory is asked for than the
-//! file has bytes.
+//! any length crashes where it is damaged), nothing outside the file is read, and a dataset larger than the file is refused.
 
 use std::path::Path;
 
@@ -50,20 +49,16 @@ pub(super) fn open(path: &Path) -> Result<File> {
 }
 
 fn check_links(group: &Group, depth: usize) -> Result<()> {
-    let is_root = depth == DEEPEST;
-    group.iter_visit_default(|name, link| match link.link_type {
-        LinkType::Hard => Ok(()),
-        _ if is_root && LINKS.contains(&name) => Ok(()),
-        _ => Err(format!("its {name:?} is a link, which is not followed").into()),
-    })?;
     if depth == 0 {
         return Err("its groups lie too deep".into());
     }
-    // (The fields are not among the groups: their link is not followed.)
-    let mut inner = Vec::new();
+    let (is_root, mut inner) = (depth == DEEPEST, Vec::new());
     group.iter_visit_default(|name, link| {
-        if link.link_type == LinkType::Hard && is_group(group, name) {
-            inner.push(name.to_owned());
+        match link.link_type {
+            LinkType::Hard if is_group(group, name) => inner.push(name.to_owned()),
+            LinkType::Hard => {}
+            _ if is_root && LINKS.contains(&name) => {}
+            _ => return Err(format!("its {name:?} is a link, which is not followed").into()),
         }
         Ok(())
     })?;

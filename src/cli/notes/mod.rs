@@ -1,6 +1,7 @@
 //! Warnings and notes about a scene and its result, to be read before the result is trusted.
 
 mod accuracy;
+mod geometry;
 mod scene;
 
 use super::{note, tell};
@@ -8,7 +9,8 @@ pub use accuracy::{
     GROWTH, UNESTIMATED_ROTATIONS, Verdict, describe_model, missed, note_of_measure, of_deflection, of_tension,
     remedy_of_tension, scope_of_tolerance, verdict,
 };
-pub use scene::{missing_faces, notes, of_geometry, of_values};
+pub use geometry::of_geometry;
+pub use scene::{missing_faces, notes, of_values};
 
 /// A warning or note about a scene or its result.
 #[derive(Debug, Clone, PartialEq)]

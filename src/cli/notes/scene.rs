@@ -1,13 +1,10 @@
-//! Remarks on a scene: values that are probably a mistake, geometry, contact, time steps, and keys without effect.
+//! Remarks on a scene: values that are probably a mistake, contact, time steps, and keys without effect.
 
 use crate::contact::{Footprint, ForceLaw, LARGEST_PHASE, Patch, Reason};
 use crate::impact::Plan;
-use crate::mesh::Measures;
 use crate::model;
-use crate::record::stress::contact_beyond_edge;
 use crate::scene::{
-    Contact, Doubt, Geometry, Impactor, LayerEffect, Load, Model as Theory, STANDARD_GRAVITY, Scene, Scheme, Source,
-    doubts, face_names, one_digit,
+    Contact, Doubt, Geometry, LayerEffect, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
 };
 use crate::scheme::critical_frequency;
 use crate::space::plate::phase;
@@ -40,52 +37,11 @@ pub fn missing_faces(scene: &Scene, faces: &[String]) -> Option<Remark> {
 /// Tension lost under a patch, times h²/F, from which there is a note. The whole tension there is about 2 F/h² in panes.
 const LOST_TENSION: f64 = 0.1;
 
-/// Smallest part of a table that an impact is expected to use. A smaller part suggests units that differ by a factor of
-/// a thousand.
-const LEAST_OF_TABLE: f64 = 0.01;
-
-/// Peak force of the impactor on a rigid wall over its weight, below which the contact's law is doubtful.
-const LEAST_OVER_WEIGHT: f64 = 0.1;
-
-/// Sine of the angle between the direction of the impactor and the face that is hit, below which it is doubtful.
-const LEAST_STEEPNESS: f64 = 0.1;
-
-/// Curvature of the surface times the radius of the impactor, above which it is told: the force changes by a third of it.
-const CURVED: f64 = 0.02;
-
 /// Temperature outside the usual range of a shift from which there is a note, K. The limits of the range are not sharp.
 const NEAR_RANGE: f64 = 10.0;
 
 /// Temperature from which it may be meant in K, °C.
 const LEAST_OF_KELVIN: f64 = 200.0;
-
-/// Diagonal of a body above which its lengths look like millimetres, m; the next limit must be exceeded too.
-const LONG_DIAGONAL: f64 = 20.0;
-
-/// Diagonal of a body over the radius of the impactor above which its lengths look like millimetres.
-const LONG_FOR_RADIUS: f64 = 200.0;
-
-/// Warning for a hit at a distance (divided by the thickness) from a clamped edge at which the tension there may govern.
-fn near_clamped_edge(distance: f64) -> String {
-    format!(
-        "the hit is {distance:.2} thicknesses from a clamped edge, and the tension at that edge may be the largest: a plate's tension there is as \
-         little as half of a solid's, which grows as cells get smaller; the error of the largest tension is therefore not estimated"
-    )
-}
-
-/// Warning for a box whose tensions under the hit are those of a point force, because the scene does not give the size of
-/// the contact.
-fn tension_of_point_force(scene: &Scene) -> Option<String> {
-    let is_box = matches!(scene.body.geometry, Geometry::Box { .. });
-    let has_faces = !matches!(scene.body.model, Theory::HalfSpace | Theory::InfinitePlate);
-    let has_radius = scene.impactor.radius.is_some() || matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
-    let is_spread = matches!(scene.contact, Contact::Patch { .. });
-    (is_box && has_faces && scene.output.stress && is_spread && !has_radius).then(|| {
-        "the impactor has no radius: tensions under it are computed for a point force. For a soft or wide impactor they are too large, and the \
-         estimated error does not include this; give impactor.radius"
-            .to_owned()
-    })
-}
 
 /// Advice for a smaller patch; empty if nothing makes it smaller.
 fn smaller_patch(scene: &Scene, patch: &Patch) -> &'static str {
@@ -99,122 +55,6 @@ fn smaller_patch(scene: &Scene, patch: &Patch) -> &'static str {
         (Reason::Scene, _) => "; a smaller contact.patch_radius lowers it",
         (Reason::Area | Reason::Thickness | Reason::Contact | Reason::Surface, _) => "",
     }
-}
-
-/// Sine of the angle between the impactor's direction and the face that is hit; `None` for a mesh that is not read.
-fn steepness(scene: &Scene, measures: Option<&Measures>) -> Option<f64> {
-    let Geometry::Box { size, .. } = scene.body.geometry else { return measures.map(|measures| measures.steepness) };
-    let Impactor { point, direction, .. } = &scene.impactor;
-    // On an edge of the box, the face that is hit at the larger angle.
-    let is_on_face = |axis: &usize| point[*axis].abs() > 0.5 * (1.0 - 1e-9) * size[*axis];
-    (0..3).filter(is_on_face).map(|axis| -direction[axis] * point[axis].signum()).reduce(f64::max)
-}
-
-/// Warnings about the geometry of a body, its supports, the size of the contact, or the table of the contact law.
-pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
-    let mut warnings = Vec::new();
-    let mut add = |kind: &str, size: f64, text: String| warnings.push(Remark::new(kind, size, text));
-    let edges = match (&scene.body.geometry, measures) {
-        (Geometry::Box { size, .. }, _) => *size,
-        (_, Some(Measures { bounds: [least, largest], .. })) => [0, 1, 2].map(|i| largest[i] - least[i]),
-        _ => [0.0; 3],
-    };
-    let diagonal = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
-    if diagonal > LONG_DIAGONAL && diagonal > LONG_FOR_RADIUS * scene.impactor.radius.unwrap_or_default() {
-        let text = format!(
-            "the body has a diagonal of {diagonal:.4} m: lengths are in metres, and these look like millimetres"
-        );
-        add("long body", diagonal, text);
-    }
-    let indentation = scene.impactor.peak_indentation();
-    if let ForceLaw::Table(table) = &scene.impactor.force_law
-        && indentation < LEAST_OF_TABLE * table.end()
-    {
-        let end = table.end();
-        let text = format!(
-            "a rigid wall would stop the impactor at an indentation of {indentation:.3e} m, and contact.table goes to {end} m: is the \
-             table in m and N?"
-        );
-        add("units of a table", end / indentation, text);
-    }
-    let (impactor, weight) = (&scene.impactor, STANDARD_GRAVITY * scene.impactor.mass);
-    let force = impactor.force_law.force(indentation);
-    if matches!(impactor.force_law, ForceLaw::Table(_) | ForceLaw::Power(_)) && force < LEAST_OVER_WEIGHT * weight {
-        let text = format!(
-            "a rigid wall would stop the impactor with a force of {force:.2e} N, which is far below its weight of {weight:.2e} N: is the \
-             contact's law in m and N?"
-        );
-        add("units of a law", weight / force, text);
-    }
-    if scene.output.stress
-        && let Some(distance) = scene.hit_near_clamped_edge()
-    {
-        add("near clamped edge", 1.0 / distance.max(f64::MIN_POSITIVE), near_clamped_edge(distance));
-    }
-    if let Some([radius, distance]) = contact_beyond_edge(scene) {
-        let text = format!(
-            "on a body that does not deflect the contact would have a radius of {radius:.2e} m, and the nearest edge of the face that is hit is \
-             {distance:.2e} m away: the contact's law holds for contacts that no edge cuts off"
-        );
-        add("contact at an edge", radius / distance, text);
-    }
-    if let Some(text) = tension_of_point_force(scene) {
-        add("no radius", 1.0, text);
-    }
-    if let Some(steepness) = steepness(scene, measures).filter(|steepness| *steepness < LEAST_STEEPNESS) {
-        let angle = steepness.clamp(-1.0, 1.0).asin().to_degrees();
-        let text = format!(
-            "impactor.direction makes an angle of {angle:.1} degrees with the face that is hit: the contact has no friction, and only the \
-             speed along the direction counts"
-        );
-        add("grazing direction", 1.0 / steepness.max(f64::MIN_POSITIVE), text);
-    }
-    let Some(measures) = measures else { return warnings };
-    if let Some(radius) = scene.impactor.radius
-        && matches!(scene.impactor.force_law, ForceLaw::Hertz(_))
-        && (radius * measures.curvature).abs() > CURVED
-    {
-        let (curved, both) = (1.0 / measures.curvature, 1.0 / (1.0 / radius + measures.curvature));
-        let what = if curved > 0.0 { "convex" } else { "concave" };
-        let advice = match both > 0.0 {
-            true => format!("impactor.radius = {both:.4} is the effective radius 1/(1/R + 1/R_body)"),
-            false => "the impactor does not fit into it, and Hertz's law does not hold".to_owned(),
-        };
-        let text = format!(
-            "the surface is {what} at the impact point, with a radius of about {:.4} m, and Hertz's law takes it for a plane: {advice}",
-            curved.abs()
-        );
-        add("curved surface", (radius * measures.curvature).abs(), text);
-    }
-    if measures.parts > 1 {
-        let text = format!(
-            "the mesh has {} parts that share no node: only the one that is hit feels the impact, and parts without supports float freely; \
-             make them one in Gmsh (Coherence)",
-            measures.parts
-        );
-        add("parts", measures.parts as f64, text);
-    }
-    if measures.open_faces > 0 {
-        let text = format!(
-            "{} faces of the mesh lie on others without sharing their nodes, so that the body is open there: merge the nodes in Gmsh (Coherence \
-             Mesh), unless a crack is meant",
-            2 * measures.open_faces
-        );
-        add("open faces", measures.open_faces as f64, text);
-    }
-    let of_whole_surfaces = scene.supports.iter().enumerate().filter(|(_, support)| support.within.is_none());
-    for (number, support) in of_whole_surfaces {
-        let covered = measures.surfaces.iter().find(|surface| surface.name == support.surface);
-        // Tolerance: rounding of sums.
-        if covered.is_some_and(|surface| surface.area > 0.999_999 * measures.area) {
-            let text = format!(
-                "support.{number} holds the whole boundary, the impact point included: is {:?} the surface that was meant?",
-                support.surface
-            );
-            add("whole boundary", 1.0, text);
-        }
-    }
-    warnings
 }
 
 /// Notes on a scene, with the distribution of its force and its time steps, if these are known. They are not errors, but
@@ -437,44 +277,8 @@ fn unused(scene: &Scene) -> Option<&'static str> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::geometry::tests::PANE;
     use super::*;
-
-    /// A contact radius larger than the distance to the nearest edge gives a warning, by any law. Farther inside there is
-    /// none.
-    #[test]
-    fn a_contact_that_an_edge_cuts_off_is_noted() {
-        let is_cut = |x: f64, law: &str| {
-            let text = format!(
-                "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.8, 0.5, 0.012]\n\
-                 [impactor]\nmass = 1.0\nradius = 0.03\nyoung = 3e9\npoisson = 0.3\nspeed = 3.0\npoint = [{x}, 0.1, 0.006]\n\
-                 [time]\nend = 0.008\n{law}"
-            );
-            let scene = Scene::parse("scene", &text, &[]).expect("a scene").0;
-            of_geometry(&scene, None).iter().any(|warning| warning.kind == "contact at an edge")
-        };
-        // With F = k α, the indentation at a wall is v √(m/k) = 3 mm; √(R α) = 9.5 mm.
-        let soft = "[contact]\nlaw = \"power\"\nstiffness = 1e6\nexponent = 1.0\n";
-        assert!(is_cut(0.397, "") && !is_cut(0.39, "") && !is_cut(0.0, ""));
-        assert!(is_cut(0.391, soft) && !is_cut(0.39, soft));
-    }
-
-    /// A table in mm and kN has forces far below the weight of the impactor; a direction along the face is no impact.
-    #[test]
-    fn units_of_a_law_and_a_grazing_direction_are_noted() {
-        let noted = |kind: &str, overrides: &[&str]| {
-            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-            let scene = Scene::parse("scene", PANE, &overrides).expect("a scene").0;
-            of_geometry(&scene, None).iter().any(|warning| warning.kind == kind)
-        };
-        let table = |points: &str| {
-            noted("units of a law", &["contact={}", "contact.law=table", &format!("contact.table={points}")])
-        };
-        assert!(table("[[0,0],[100,4]]") && !table("[[0,0],[0.1,4000]]"));
-        let along = |direction: &str| {
-            noted("grazing direction", &["impactor.point=[0,0,0.006]", &format!("impactor.direction={direction}")])
-        };
-        assert!(along("[1,0,-0.05]") && !along("[1,0,-0.2]") && !along("[0,0,-1]"));
-    }
 
     /// There is no note if the radius of the disc is as given, or if none is given.
     #[test]
@@ -502,24 +306,6 @@ mod tests {
         };
         assert!(noted("contact.disc_radius=0.2", 0.2) && !noted("contact.disc_radius=0.02", 0.02));
         assert!(!noted("output.stress=true", 0.2));
-    }
-
-    const PANE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.8, 0.5, 0.012]\n\
-         [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n\
-         [impactor]\nmass = 1.0\nspeed = 3.0\n[contact]\nlaw = \"power\"\nstiffness = 1e6\nexponent = 1\n[time]\nend = 0.008\n";
-
-    /// Without the size of the contact, tensions are those of a force at one point. Either radius gives the size.
-    #[test]
-    fn a_contact_without_size_is_warned_of() {
-        let is_warned = |overrides: &[&str]| {
-            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-            let scene = Scene::parse("scene", PANE, &overrides).expect("a scene").0;
-            of_geometry(&scene, None).iter().any(|warning| warning.kind == "no radius")
-        };
-        assert!(is_warned(&[]));
-        for key in ["impactor.radius=0.05", "contact.patch_radius=0.01", "output.stress=false"] {
-            assert!(!is_warned(&[key]), "{key}");
-        }
     }
 
     /// Keys that a theory does not use are noted, and forces at one point in a solid. The radius of the patch changes the
