@@ -152,10 +152,11 @@ impl Error {
     }
 }
 
-/// Text in which control characters, such as those that change the title of a terminal or clear it, are written as
-/// `\u{1b}`; lines and tabs stay.
+/// Text in which control characters, such as those that change the title of a terminal, clear it, or turn the direction
+/// of letters, are written as `\u{1b}`; lines and tabs stay.
 pub fn visible(text: &str) -> String {
-    let is_kept = |letter: char| !letter.is_control() || matches!(letter, '\n' | '\t');
+    let is_turned = |letter: char| matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let is_kept = |letter: char| !(letter.is_control() || is_turned(letter)) || matches!(letter, '\n' | '\t');
     let text = text.replace("\r\n", "\n");
     text.chars()
         .map(|letter| if is_kept(letter) { letter.into() } else { letter.escape_default().to_string() })

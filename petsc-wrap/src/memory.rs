@@ -65,7 +65,7 @@ fn ask_for_huge_pages() {
 
 /// Address space, in bytes, that PETSc and its libraries need. With less, OpenBLAS asks for memory again and again, for
 /// ever.
-const LEAST_ADDRESS_SPACE: u64 = 600 << 20;
+const LEAST_ADDRESS_SPACE: u64 = 1000 << 20;
 
 /// Returns an error, a sentence, if the system limits the process to less address space than PETSc needs.
 pub(crate) fn check_address_space() -> Result<(), String> {

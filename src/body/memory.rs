@@ -1,6 +1,7 @@
 //! Refuses what the machine has no memory for, before it is begun: the system would end the program without a word.
 
 use std::fs;
+use std::path::Path;
 
 use mpi::collective::SystemOperation;
 use mpi::traits::CommunicatorCollectives;
@@ -48,22 +49,48 @@ fn ranks_here() -> usize {
     told.and_then(|told| told.parse().ok()).unwrap_or(1)
 }
 
-/// Memory that this process and others of its control group can still get, bytes; `None` if the system does not tell.
+/// Memory that this process can still get, bytes; `None` if the system does not tell.
 fn available() -> Option<f64> {
-    let number = |text: &str| text.split_whitespace().next()?.parse::<f64>().ok();
-    let of_system = fs::read_to_string("/proc/meminfo").ok()?;
-    let of_system = 1024.0 * of_system.lines().find_map(|line| number(line.strip_prefix("MemAvailable:")?))?;
-    // A batch system or a container sets the limit of a group; the file holds "max" where there is none.
-    let group = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    let group = group.lines().find_map(|line| line.strip_prefix("0::")).unwrap_or_default().to_owned();
-    let of_group = |name: &str| number(&fs::read_to_string(format!("/sys/fs/cgroup{group}/memory.{name}")).ok()?);
-    let left = of_group("max").zip(of_group("current")).map(|(most, now)| (most - now).max(0.0));
-    Some(left.map_or(of_system, |left| left.min(of_system)))
+    let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
+    let of_system = 1024.0 * value(&read("/proc/meminfo"), "MemAvailable:")?;
+    let limits = read("/proc/self/limits");
+    let status = read("/proc/self/status");
+    let within = |limit: &str, used: &str| Some(value(&limits, limit)? - 1024.0 * value(&status, used)?);
+    let of_process = [within("Max address space", "VmSize:"), within("Max data size", "VmData:")];
+    // A batch system or a container limits a group or one that contains it. Its file holds "max" where there is no limit.
+    let group = read("/proc/self/cgroup").lines().find_map(|line| line.strip_prefix("0::").map(str::to_owned));
+    let group = format!("/sys/fs/cgroup{}", group.unwrap_or_default());
+    let of_groups = Path::new(&group).ancestors().take_while(|path| path.starts_with("/sys/fs/cgroup")).map(|path| {
+        let of = |name: &str| read(&path.join(name).to_string_lossy());
+        // Pages of files that are not in use are given up for others.
+        let used = value(&of("memory.current"), "")? - value(&of("memory.stat"), "inactive_file ").unwrap_or_default();
+        Some(value(&of("memory.max"), "")? - used)
+    });
+    let left = of_process.into_iter().chain(of_groups).flatten();
+    Some(left.fold(of_system, f64::min).max(0.0))
+}
+
+/// First number after a name at the beginning of a line; `None` if there is none.
+fn value(text: &str, name: &str) -> Option<f64> {
+    let rest = text.lines().find_map(|line| line.strip_prefix(name))?;
+    rest.split_whitespace().next()?.parse().ok()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The files of the system are read as they are written: a limit, and none.
+    #[test]
+    fn numbers_of_the_system_are_read() {
+        let limits = "Limit                     Soft Limit           Hard Limit           Units     \n\
+            Max data size             unlimited            unlimited            bytes     \n\
+            Max address space         1048576000           unlimited            bytes     \n";
+        assert_eq!(value(limits, "Max address space"), Some(1_048_576_000.0));
+        assert_eq!(value(limits, "Max data size"), None);
+        assert_eq!([value("max\n", ""), value("4096\n", "")], [None, Some(4096.0)]);
+        assert_eq!(value("VmPeak:\t  9 kB\nVmSize:\t  226304 kB\n", "VmSize:"), Some(226_304.0));
+    }
 
     #[test]
     fn what_no_machine_has_is_refused() {

@@ -27,8 +27,6 @@ pub struct Loaded {
     pub source: Source,
     /// Whether the scene was taken from a result.
     pub is_of_result: bool,
-    /// Options for PETSc stored in that result, in one line.
-    pub stored_options: String,
 }
 
 /// Data that rank 0 reads and sends to the other ranks.
@@ -46,9 +44,29 @@ struct Given {
 /// [`Error::Output`] if the file cannot be read; [`Error::Usage`] if it is not text; [`Error::Scene`] if the scene is
 /// wrong.
 pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
+    load_with_options(comm, path, overrides, false)
+}
+
+/// Like [`load`]; with `is_applied`, the options for PETSc of a result are used as well. Collective.
+///
+/// # Errors
+/// Like [`load`]; [`Error::Usage`] if options are to be used and the scene is not from a result.
+pub fn load_with_options(comm: &Comm, path: &Path, overrides: &[String], is_applied: bool) -> Result<Loaded> {
     let Given { source, is_of_result, stored_options } = decided(comm, || given(path, overrides))?;
+    match is_applied {
+        true if !is_of_result => {
+            return Err(Error::Usage(format!("--stored-options: {} is no result, which has none", shown(path))));
+        }
+        true => set_options(comm, &stored_options)?,
+        // Such an option may write to any file, and a result may come from somebody else.
+        false if !stored_options.is_empty() && comm.is_root() => tracing::warn!(
+            "{} was made with options for PETSc, which are left out: {stored_options} (`ricochet run --stored-options` applies them)",
+            shown(path)
+        ),
+        false => {}
+    }
     let (scene, source) = Scene::checked(source)?;
-    Ok(Loaded { scene, source, is_of_result, stored_options })
+    Ok(Loaded { scene, source, is_of_result })
 }
 
 fn given(path: &Path, overrides: &[String]) -> Result<Given> {
@@ -117,7 +135,7 @@ pub fn mesh_digest(scene: &Scene) -> Option<String> {
 ///
 /// # Errors
 /// If PETSc does not start, or refuses an option.
-pub fn set_options(comm: &Comm, line: &str) -> Result<()> {
+fn set_options(comm: &Comm, line: &str) -> Result<()> {
     let mut words = line.split_whitespace().peekable();
     while let Some(name) = words.next() {
         // A number may begin with a minus sign.

@@ -36,7 +36,7 @@ pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
         let there = std::fs::read_to_string(arguments.output.join(RESULTS[0])).unwrap_or_default();
         made.check_ours(&RESULTS, there.starts_with(COLUMNS))
     })?;
-    let interrupt = Interrupt::new(Ending::InOrder);
+    let interrupt = Interrupt::new(Ending::AtOnce);
     let found = find(comm, &scene, arguments.budget, &interrupt).map_err(|error| error.in_scene(&source))?;
     decided(comm, || match (&folder, &found) {
         (Some(folder), Some(study)) => write(folder, study, &scene),
@@ -61,6 +61,8 @@ fn find(comm: &Comm, scene: &Scene, budget: Option<f64>, interrupt: &Interrupt) 
     let mesh = Mesh::new(comm, &scene.body)?;
     let mut progress: Option<Items> = None;
     let mut told = |now: study::Progress| {
+        // From here on, there are runs to be written.
+        interrupt.set(Ending::InOrder);
         if comm.is_root() {
             progress.get_or_insert_with(|| Items::new(now.planned, "runs")).over(1);
         }

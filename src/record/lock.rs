@@ -16,9 +16,16 @@ static HELD: Mutex<Vec<[PathBuf; 2]>> = Mutex::new(Vec::new());
 pub fn abandon_all() {
     let Ok(held) = HELD.try_lock() else { return };
     for [lock, result] in &*held {
-        target::remove_parts(result);
+        remove_parts(result);
         let _ = fs::remove_file(lock);
     }
+}
+
+/// Removes unfinished files of a result, of its checkpoint and of its fields. Errors are ignored.
+fn remove_parts(result: &Path) {
+    target::remove_parts(result);
+    target::remove_parts(&checkpoint::beside(result));
+    fields::paths(result).iter().for_each(|path| target::remove_parts(path));
 }
 
 /// File in the folder of a result, locked while a run writes the result. The system releases the lock when the process
@@ -69,9 +76,7 @@ impl Lock {
                 && held == there
             {
                 if is_locked {
-                    target::remove_parts(path);
-                    target::remove_parts(&checkpoint::beside(path));
-                    fields::paths(path).iter().for_each(|path| target::remove_parts(path));
+                    remove_parts(path);
                 }
                 if let Ok(mut held) = HELD.lock() {
                     held.push([beside.clone(), path.to_owned()]);

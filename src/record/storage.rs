@@ -9,13 +9,16 @@ use hdf5_metno as hdf5;
 use hdf5_metno::plist::dataset_create::Layout;
 use hdf5_metno::plist::file_access::LibraryVersion;
 use hdf5_metno::types::{FixedUnicode, TypeDescriptor};
-use hdf5_metno::{Dataset, File, FileBuilder, Group, H5Type, LinkType, Location, Result};
+use hdf5_metno::{Dataset, File, FileBuilder, Group, H5Type, LinkType, Location, LocationType, Result};
 
 /// Most bytes of a text in an attribute; HDF5's limit is 64 KiB with the attribute's name and type.
 const LONGEST: usize = 60_000;
 
 /// Most bytes of a word in a list of words.
 const LONGEST_WORD: usize = 1000;
+
+/// Memory that a dataset may take however small its file is, bytes.
+const ROOM: u64 = 64 << 20;
 
 /// Depth of groups in a file beyond which it is not one of this program.
 const DEEPEST: usize = 8;
@@ -55,8 +58,16 @@ fn check_links(group: &Group, depth: usize) -> Result<()> {
     let (is_root, mut inner) = (depth == DEEPEST, Vec::new());
     group.iter_visit_default(|name, link| {
         match link.link_type {
-            LinkType::Hard if is_group(group, name) => inner.push(name.to_owned()),
-            LinkType::Hard => {}
+            LinkType::Hard => {
+                let object = group.loc_info_by_name(name)?;
+                // By groups of several names, a small file would hold any number of paths.
+                if object.num_links > 1 {
+                    return Err(format!("its {name:?} has another name as well").into());
+                }
+                if object.loc_type == LocationType::Group {
+                    inner.push(name.to_owned());
+                }
+            }
             _ if is_root && LINKS.contains(&name) => {}
             _ => return Err(format!("its {name:?} is a link, which is not followed").into()),
         }
@@ -66,7 +77,7 @@ fn check_links(group: &Group, depth: usize) -> Result<()> {
 }
 
 fn is_group(group: &Group, name: &str) -> bool {
-    group.loc_info_by_name(name).is_ok_and(|info| info.loc_type == hdf5::LocationType::Group)
+    group.loc_info_by_name(name).is_ok_and(|info| info.loc_type == LocationType::Group)
 }
 
 /// Whether a file has a group that lies in the file itself.
@@ -87,10 +98,11 @@ pub(super) fn values<T: H5Type>(dataset: &Dataset) -> Result<Vec<T>> {
     if plist.layout() == Layout::Virtual || !plist.external().is_empty() || plist.has_filters() {
         return Err("its values are compressed, or in another file, as this program does not write them".into());
     }
-    let bytes =
-        dataset.shape().iter().try_fold(size_of::<T>().min(dataset.dtype()?.size()), |all, n| all.checked_mul(*n));
+    let bytes = |each: usize| dataset.shape().iter().try_fold(each, |all, n| all.checked_mul(*n));
     let available = dataset.file()?.size();
-    if bytes.is_none_or(|bytes| bytes as u64 > available) {
+    let is_within = |bytes: Option<usize>, most: u64| bytes.is_some_and(|bytes| bytes as u64 <= most);
+    // In memory, a word takes as much as the longest one may.
+    if !is_within(bytes(dataset.dtype()?.size()), available) || !is_within(bytes(size_of::<T>()), available.max(ROOM)) {
         return Err("it is larger than the file".into());
     }
     dataset.read_raw()
@@ -242,6 +254,17 @@ mod tests {
         let inner = |file: &File| file.create_group("b").unwrap().link_external(other, "/", "c").unwrap();
         assert!(made("inner.h5", &inner).is_err());
         assert!(made("loop.h5", &|file| file.create_group("b").unwrap().link_hard("/b", "c").unwrap()).is_err());
+        let twice = |file: &File| {
+            file.create_group("b").unwrap();
+            file.link_hard("/b", "c").unwrap();
+        };
+        assert!(made("twice.h5", &twice).is_err());
+        let empty = |file: &File| {
+            let kind = TypeDescriptor::FixedUnicode(1);
+            file.new_dataset_builder().empty_as(&kind).shape(1 << 17).create("words").map(|_| ()).unwrap();
+            file.new_dataset_builder().with_data(&[0_u8; 1 << 17]).create("filling").map(|_| ()).unwrap();
+        };
+        assert!(super::words(&made("words.h5", &empty).unwrap().dataset("words").unwrap()).is_err());
         let secret = path("secret");
         let stored = |file: &File| {
             let builder = file.new_dataset::<f64>().external(secret.to_str().unwrap(), 0, 80);

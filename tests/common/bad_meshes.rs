@@ -112,7 +112,7 @@ pub fn table() -> Vec<BadMesh> {
         edit("a length beyond numbers", TWO, ("\n12 0 1 2", "\n12 0 1 1e200"), &["a coordinate of 1e200 m"]),
         edit("a concave hexahedron", TWO, ("\n3 1 1 0", "\n3 -1 -1 0"), &["tangled cell"]),
         edit("hexahedra that do not fit", TWO, ("5 6 7 8 9 10 11 12", "5 7 6 8 9 11 10 12"), &["do not fit: are nodes of one exchanged?"]),
-        edit("a face of no cell", TWO, ("1 3 2 1 1 9 10 11 12", "1 3 2 1 1 1 2 11 12"), &["a face that is none of any cell"]),
+        edit("a face of no cell", TWO, ("1 3 2 1 1 9 10 11 12", "1 3 2 1 1 1 2 11 12"), &["is none of any cell"]),
         edit("a loose point", TWO, ("$Nodes\n12\n", "$Nodes\n13\n13 5 5 5\n"), &[]).with(("$Elements\n3\n", "$Elements\n4\n4 15 2 1 1 13\n"), &["node 13 belongs to a point"]),
         edit("a name without quotes", TWO, ("\"top\"", "top"), &["line 6", "expected a name in quotes"]),
     ]

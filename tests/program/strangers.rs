@@ -46,7 +46,14 @@ fn options_in_a_result_are_left_out() {
     let victim = folder.path().join("victim.txt");
     fs::write(&victim, "precious").unwrap();
     let said = good(&folder, 0, "run scene.h5 -o again.h5");
-    assert!(said.stderr.contains("are left out: -ksp_view ascii:victim.txt (--stored-options"), "{said:#?}");
+    assert!(
+        said.stderr.contains("are left out: -ksp_view ascii:victim.txt (`ricochet run --stored-options`"),
+        "{said:#?}"
+    );
+    let said = good(&folder, 0, "-q check scene.h5");
+    assert!(said.stderr.contains("are left out"), "{said:#?}");
+    let outcome = run(ricochet(folder.path(), 0).args(words("run scene.toml -o plain.h5 --stored-options")));
+    assert!(outcome.status == Some(2) && outcome.stderr.contains("is no result"), "{outcome:#?}");
     assert_eq!(fs::read_to_string(&victim).unwrap(), "precious");
     good(&folder, 0, "run scene.h5 -o again.h5 --stored-options");
     assert_ne!(fs::read_to_string(&victim).unwrap(), "precious");
@@ -61,6 +68,13 @@ fn escapes_are_shown_as_text() {
         assert!(!all.contains('\u{1b}') && !all.contains('\u{7}'), "{line}: {all:?}");
         assert!(line.starts_with("run") || all.contains("\\u{1b}[2J"), "{line}: {all:?}");
     }
+    // A title is one line, in the direction of its letters.
+    fs::write(folder.path().join("scene.toml"), BOX.replace("Small plate", "A\\nerror: B\\u202ethgir")).unwrap();
+    let said = good(&folder, 0, "check scene.toml");
+    assert!(said.stdout.contains("A error: B\\u{202e}thgir"), "{said:#?}");
+    fs::write(folder.path().join("scene.toml"), BOX.replace("Small plate", "A\\u0000B")).unwrap();
+    let outcome = run(ricochet(folder.path(), 0).args(words("check scene.toml")));
+    assert!(outcome.status == Some(2) && outcome.stderr.contains("NUL"), "{outcome:#?}");
     // Names of files and keys, and the text of a scene beside an error.
     fs::write(folder.path().join(format!("{escape}.toml")), format!("# {escape}\nkey\u{1b}[2J = 1\n")).unwrap();
     let outcome = run(ricochet(folder.path(), 0).args(["check", &format!("{escape}.toml")]));
@@ -97,7 +111,7 @@ fn a_scene_has_some_megabytes() {
 /// OpenBLAS would wait for memory for ever.
 fn little_address_space_is_told() {
     let folder = folder(BOX);
-    for limit in ["-v 400000", "-v 500000", "-d 150000"] {
+    for limit in ["-v 400000", "-v 700000", "-v 1000000", "-d 150000"] {
         let program = env!("CARGO_BIN_EXE_ricochet");
         let line = format!("ulimit {limit}; exec {program} run scene.toml");
         let mut command = Command::new("sh");

@@ -111,8 +111,8 @@ impl Plex {
         if let Some(i) = is_found.iter().position(|is_found| !is_found) {
             let groups = file.facets.groups(i);
             let names = file.groups[0].iter().filter(|group| groups.contains(&group.number));
-            let names: Vec<String> = names.map(|group| format!("{:?}", group.name)).collect();
-            return Err(format!("the surface {} has a face that is none of any cell", names.join(", ")));
+            let names: Vec<String> = names.map(|group| format!(" of the surface {:?}", group.name)).collect();
+            return Err(format!("a face{} is none of any cell", names.join(" and")));
         }
         self.label("Face Sets", labels).map_err(told)
     }

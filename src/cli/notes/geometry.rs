@@ -124,11 +124,13 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
         let (curved, both) = (1.0 / measures.curvature, 1.0 / (1.0 / radius + measures.curvature));
         let what = if curved > 0.0 { "convex" } else { "concave" };
         let advice = match both > 0.0 {
-            true => format!("impactor.radius = {both:.4} is the effective radius 1/(1/R + 1/R_body)"),
+            true => format!(
+                "impactor.radius = {both:.4} is the effective radius 1/(1/R + 1/R_body), if {radius} is that of the impactor alone"
+            ),
             false => "the impactor does not fit into it, and Hertz's law does not hold".to_owned(),
         };
         let text = format!(
-            "the surface is {what} at the impact point, with a radius of about {:.4} m, and Hertz's law takes it for a plane: {advice}",
+            "the surface is {what} at the impact point, with a mean radius of curvature of about {:.4} m, and Hertz's law takes it for a plane: {advice}",
             curved.abs()
         );
         add("curved surface", (radius * measures.curvature).abs(), text);

@@ -17,7 +17,7 @@ use crate::record::lock::Lock;
 use crate::record::target::is_same;
 
 use super::Run;
-use super::load::{Loaded, STANDARD_INPUT, load, set_options};
+use super::load::{Loaded, STANDARD_INPUT, load_with_options};
 use super::restart::RestartState;
 use super::{note, tell};
 use output::check_own;
@@ -29,17 +29,8 @@ pub(super) use solve::{Beginning, Written, solve};
 /// # Errors
 /// Any [`Error`].
 pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
-    let Loaded { scene, source, is_of_result, stored_options } = load(comm, &arguments.scene, &arguments.overrides)?;
-    if arguments.stored_options {
-        set_options(comm, &stored_options)?;
-    } else if !stored_options.is_empty() && comm.is_root() {
-        // Such an option may write to any file, and a result may come from somebody else.
-        note(format_args!(
-            "note: {} was made with options for PETSc, which are left out: {} (--stored-options applies them)",
-            arguments.scene.display(),
-            stored_options
-        ));
-    }
+    let Run { scene, overrides, stored_options, .. } = arguments;
+    let Loaded { scene, source, is_of_result } = load_with_options(comm, scene, overrides, *stored_options)?;
     let given = arguments.output.as_ref().or(arguments.restart.as_ref());
     // A pipe can be read only once, and has no useful name.
     let is_file_by_name = arguments.scene.metadata().map_or(true, |there| there.is_file());

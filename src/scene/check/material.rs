@@ -12,7 +12,7 @@ use crate::form;
 use crate::material::{self, Material, Maxwell, Wlf};
 
 /// Most terms of a relaxation; the work grows with their cube.
-const MOST_TERMS: usize = 200;
+const MOST_TERMS: usize = 100;
 
 /// Expected contents of a file of relaxation terms.
 const HELP_OF_FILE: &str = "a file with lines of time (s) and modulus (Pa), the times ascending";

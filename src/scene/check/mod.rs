@@ -34,7 +34,7 @@ pub use numbers::one_digit;
 pub(super) use numbers::show;
 
 /// Most supports of a scene.
-const MOST_SUPPORTS: usize = 500;
+const MOST_SUPPORTS: usize = 300;
 
 /// Checks a source and returns its scene. Mesh files are relative to `folder`.
 ///
@@ -42,6 +42,11 @@ const MOST_SUPPORTS: usize = 500;
 /// The first fault found.
 pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     let raw = decode(source)?;
+    // Messages hold the title in a line, and HDF5 ends texts at a NUL character.
+    let title = raw.title.as_deref().unwrap_or_default().lines().collect::<Vec<_>>().join(" ");
+    if title.contains('\0') {
+        return Err(source.error("title", "the title holds a NUL character", "take it out"));
+    }
     let materials = composition::materials(source, &raw)?;
     let order = body::order(source, &raw.body)?;
     let outline = body::outline(source, &raw.body, folder)?;
@@ -101,7 +106,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     let keys = plausible::Keys { stiffness: &stiffness_key, density: &density_key };
     plausible::check(source, (&body, keys), (&impactor, raw.impactor.stiffness.is_some()), time.end)?;
     Ok(Scene {
-        title: raw.title.clone().unwrap_or_default(),
+        title,
         body,
         supports,
         impactor,

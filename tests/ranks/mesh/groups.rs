@@ -10,8 +10,12 @@ use ricochet::mesh::{Measures, Mesh};
 use ricochet::scene::Scene;
 
 pub const RANKS: &[usize] = &[1, 2, 3];
-pub const TESTS: &[Test<Session>] =
-    tests![areas_are_those_of_the_groups, volumes_are_those_of_the_groups, what_cannot_be_read];
+pub const TESTS: &[Test<Session>] = tests![
+    areas_are_those_of_the_groups,
+    volumes_are_those_of_the_groups,
+    what_cannot_be_read,
+    a_curved_surface_is_measured
+];
 
 /// An element with Gmsh's type, the positions of its nodes and its physical tags.
 struct Element {
@@ -312,5 +316,34 @@ fn what_cannot_be_read(session: &Session) {
     ] {
         let error = measures(session, text.as_bytes(), ONE).expect_err(what).to_string();
         assert!(error.contains(expected) && !error.contains('\u{1b}'), "{what}: {error}");
+    }
+}
+
+/// A dome z = 1 − (κ₁ x² + κ₂ y²)/2 of hexahedra: its mean curvature at the top is (κ₁ + κ₂)/2, for a cylinder half of 1/R.
+fn a_curved_surface_is_measured(session: &Session) {
+    const CELLS: usize = 16;
+    let at = |i: usize| i as f64 / 8.0 - 1.0;
+    let node = |i: usize, j: usize, layer: usize| (layer * (CELLS + 1) + j) * (CELLS + 1) + i + 1;
+    for [one, other] in [[0.4, 0.4], [0.4, 0.0], [-0.3, -0.1], [0.0, 0.0]] {
+        let count = 2 * (CELLS + 1) * (CELLS + 1);
+        let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{count}\n");
+        for number in 0..count {
+            let (i, j, layer) = (number % (CELLS + 1), number / (CELLS + 1) % (CELLS + 1), number / (count / 2));
+            let (x, y) = (at(i), at(j));
+            let z = layer as f64 - 0.5 * (one * x * x + other * y * y);
+            text += &format!("{} {x} {y} {z}\n", number + 1);
+        }
+        text += &format!("$EndNodes\n$Elements\n{}\n", CELLS * CELLS);
+        for cell in 0..CELLS * CELLS {
+            let (i, j) = (cell % CELLS, cell / CELLS);
+            let nodes = [0, 1].map(|layer| [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(u, v)| node(i + u, j + v, layer)));
+            let nodes: Vec<String> = nodes.iter().flatten().map(usize::to_string).collect();
+            text += &format!("{} 5 2 1 1 {}\n", cell + 1, nodes.join(" "));
+        }
+        text += "$EndElements\n";
+        let measured = measures(session, text.as_bytes(), ONE).unwrap_or_else(|error| panic!("{error}")).curvature;
+        // Heights are measured above the cell at the top, whose normal is turned by 1/16 of the curvature: its square.
+        let right = 0.5 * (one + other);
+        assert!((measured - right).abs() <= 0.01 * right.abs() + 1e-9, "{one} {other}: {measured}");
     }
 }
