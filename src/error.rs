@@ -165,7 +165,7 @@ pub fn visible(text: &str) -> String {
 
 impl From<petsc_wrap::Error> for Error {
     /// An option that PETSc does not accept is an error in the command line. Every rank finds it, because all have the
-    /// same options.
+    /// same options. A lack of memory is said in words.
     fn from(error: petsc_wrap::Error) -> Self {
         /// PETSc's error codes for unknown names of a type and of a factorisation package.
         const UNKNOWN: [i32; 2] = [86, 92];
@@ -175,6 +175,13 @@ impl From<petsc_wrap::Error> for Error {
                     || frames.first().is_some_and(|f| f.function.starts_with("PetscOptions")) =>
             {
                 Self::Usage(format!("a PETSc option is wrong: {message}"))
+            }
+            petsc_wrap::Error::Petsc { frames, .. }
+                if frames.first().is_some_and(|f| f.function.starts_with("PetscMalloc")) =>
+            {
+                let message = "the process got no more memory: a coarser mesh needs less, and so do more ranks on other machines; \
+                               ulimit and batch jobs may limit it";
+                Self::Alone(Box::new(Self::Solve(message.into())))
             }
             other => Self::Petsc(other),
         }
