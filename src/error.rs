@@ -29,7 +29,7 @@ pub enum Error {
     #[error("{0}")]
     Unstable(String),
     /// A signal or a time limit ended the work before there was a result.
-    #[error("interrupted before the first step: nothing was written")]
+    #[error("interrupted: no result was written")]
     Interrupted,
     /// The result cannot be written. All ranks know.
     #[error("{0}")]

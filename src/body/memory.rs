@@ -39,7 +39,8 @@ pub(crate) fn check(ranks: Option<&Comm>, Need { bytes, what, key, help }: Need<
     if lack <= 0.0 {
         return Ok(());
     }
-    let message = format!("{what} would take {:.0} MB, and {:.0} MB are free", 1e-6 * needed, -1e-6 * free);
+    let message =
+        format!("{what} would take {:.0} MB on one machine, and {:.0} MB are free", 1e-6 * needed, -1e-6 * free);
     Err(Fault::new(key, message, help).into())
 }
 
@@ -98,6 +99,9 @@ mod tests {
             |bytes: f64| check(None, Need { bytes, what: "the matrices", key: "body.cells", help: "coarser cells" });
         assert!(need(1.0).is_ok());
         let error = need(1e18).expect_err("an exabyte").to_string();
-        assert!(error.contains("the matrices would take 1000000000000 MB") && error.contains("are free"), "{error}");
+        assert!(
+            error.contains("the matrices would take 1000000000000 MB on one machine") && error.contains("are free"),
+            "{error}"
+        );
     }
 }

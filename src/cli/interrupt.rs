@@ -20,7 +20,7 @@ use super::{is_root_by_environment, tell};
 pub enum Ending {
     /// At once: nothing would be lost.
     AtOnce,
-    /// In order if that takes no longer than two seconds: what is on the disk is whole at any time.
+    /// In order if that takes no longer than two seconds: the files on the disk are consistent at any time.
     Soon,
     /// In order, however long the present step takes.
     InOrder,
@@ -43,7 +43,7 @@ pub fn install() {
     match Signals::new([SIGINT, SIGTERM, SIGUSR1].into_iter().chain(hang_up)) {
         // A thread of its own, since the others may be in a library that does not return for minutes.
         Ok(mut signals) => drop(std::thread::spawn(move || signals.forever().for_each(|_| obey()))),
-        Err(error) => tracing::warn!("a signal ends the program at once: {error}"),
+        Err(error) => tracing::warn!("signals cannot be handled, and end the program at once: {error}"),
     }
 }
 
@@ -74,7 +74,7 @@ fn end_at_once() -> ! {
     if is_root_by_environment() {
         match ENDING.load(Ordering::Relaxed) == Ending::AtOnce as u8 {
             true => tell(format_args!("{}", Error::Interrupted)),
-            false => tell(format_args!("interrupted: what was on the disk stays")),
+            false => tell(format_args!("interrupted: what was already written is kept")),
         }
     }
     // Without the exit handlers of libraries, which would wait for the other ranks and for calls that are under way.

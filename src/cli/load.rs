@@ -55,12 +55,15 @@ pub fn load_with_options(comm: &Comm, path: &Path, overrides: &[String], is_appl
     let Given { source, is_of_result, stored_options } = decided(comm, || given(path, overrides))?;
     match is_applied {
         true if !is_of_result => {
-            return Err(Error::Usage(format!("--stored-options: {} is no result, which has none", shown(path))));
+            return Err(Error::Usage(format!(
+                "--stored-options: {} is a scene, not a result, and has none",
+                shown(path)
+            )));
         }
         true => set_options(comm, &stored_options)?,
         // Such an option may write to any file, and a result may come from somebody else.
         false if !stored_options.is_empty() && comm.is_root() => tracing::warn!(
-            "{} was made with options for PETSc, which are left out: {stored_options} (`ricochet run --stored-options` applies them)",
+            "{} was made with options for PETSc, which are not applied: {stored_options} (`ricochet run --stored-options` applies them)",
             shown(path)
         ),
         false => {}

@@ -149,10 +149,10 @@ fn of_volumes<'a>(
     let (mut total, mut first_second) = (0, 0);
     plex.comm().mpi().all_reduce_into(&without, &mut total, SystemOperation::sum());
     plex.comm().mpi().all_reduce_into(&second, &mut first_second, SystemOperation::min());
-    let help = "[material.NAME] for one physical volume of each cell";
+    let help = "give each cell one physical volume that has a material";
     if let Some(volume) = used.get(first_second as usize) {
         let message =
-            format!("cells of the physical volume {:?} are in another one that has a material, too", volume.name);
+            format!("some cells of the physical volume {:?} are also in another one that has a material", volume.name);
         return Err(Fault::new("body.mesh", message, help).into());
     }
     if total > 0 {
@@ -168,7 +168,7 @@ fn check_name(path: &Path, name: &str) -> Result<()> {
         return Ok(());
     }
     let message = format!("{}: a physical surface has the name {name:?}", path.display());
-    let help = format!("a name without / and control characters, other than . and {RING:?}");
+    let help = format!("rename it: without / and control characters, and neither . nor {RING:?}");
     Err(Fault::new("body.mesh", message, help).into())
 }
 

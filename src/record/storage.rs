@@ -1,7 +1,7 @@
 //! HDF5 files: how they are created and opened, and how texts and datasets are read from them.
 //!
-//! A result may come from somebody else, and may be damaged. So texts have a fixed length (the library's heap of texts of
-//! any length crashes where it is damaged), nothing outside the file is read, and a dataset larger than the file is refused.
+//! A result may come from somebody else, and may be damaged. So texts have a fixed length (the library crashes on a damaged heap of texts of
+//! variable length), nothing outside the file is read, and a dataset larger than the file is refused.
 
 use std::path::Path;
 
@@ -53,16 +53,16 @@ pub(super) fn open(path: &Path) -> Result<File> {
 
 fn check_links(group: &Group, depth: usize) -> Result<()> {
     if depth == 0 {
-        return Err("its groups lie too deep".into());
+        return Err("its groups are nested too deeply".into());
     }
     let (is_root, mut inner) = (depth == DEEPEST, Vec::new());
     group.iter_visit_default(|name, link| {
         match link.link_type {
             LinkType::Hard => {
                 let object = group.loc_info_by_name(name)?;
-                // By groups of several names, a small file would hold any number of paths.
+                // With several names for one group, a small file could have any number of paths.
                 if object.num_links > 1 {
-                    return Err(format!("its {name:?} has another name as well").into());
+                    return Err(format!("its {name:?} has a second hard link").into());
                 }
                 if object.loc_type == LocationType::Group {
                     inner.push(name.to_owned());
@@ -103,12 +103,12 @@ pub(super) fn values<T: H5Type>(dataset: &Dataset) -> Result<Vec<T>> {
     let is_within = |bytes: Option<usize>, most: u64| bytes.is_some_and(|bytes| bytes as u64 <= most);
     // In memory, a word takes as much as the longest one may.
     if !is_within(bytes(dataset.dtype()?.size()), available) || !is_within(bytes(size_of::<T>()), available.max(ROOM)) {
-        return Err("it is larger than the file".into());
+        return Err("it is larger than the file, or needs more memory than one of this size should".into());
     }
     dataset.read_raw()
 }
 
-/// Creates an attribute with a text.
+/// Creates an attribute with a text, of which [`LONGEST`] bytes are stored.
 pub(super) fn write_text(at: &Location, name: &str, text: &str) -> Result<()> {
     write_text_with_room(at, name, text, text.len())
 }
@@ -146,7 +146,7 @@ pub(super) fn text(at: &Location, name: &str) -> Result<String> {
         TypeDescriptor::FixedUnicode(size) if size <= LONGEST => {
             decoded(attribute.read_scalar::<FixedUnicode<LONGEST>>()?.as_bytes())
         }
-        _ => Err(format!("its attribute {name} is no text of this version").into()),
+        _ => Err(format!("its attribute {name} is not a text of fixed length").into()),
     }
 }
 

@@ -102,8 +102,14 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         let Some(Maxwell { equilibrium, terms }) = &material.shear else { continue };
         let sum: f64 = terms.iter().map(|term| term.modulus).sum();
         let is_relative = !terms.is_empty() && sum <= 1.0;
-        let what = format!("the terms have {} Pa in all, beside a shear modulus of {}", show(sum), show(*equilibrium));
-        let help = "terms are moduli in Pa: relative ones are multiplied by the shear modulus at t = 0, and `shear` is what is left".to_owned();
+        let what = format!(
+            "the terms add up to {} Pa, and `shear` is {} Pa: are they relative?",
+            show(sum),
+            show(*equilibrium)
+        );
+        let help =
+            "terms are moduli in Pa: multiply each relative one by the modulus at t = 0, and let `shear` be the rest"
+                .to_owned();
         doubt(&format!("material.{name}.prony"), if is_relative { equilibrium / RELATIVE } else { 0.0 }, what, help);
         let reference = raw.material.get(name).and_then(|raw| raw.wlf.as_ref()).map_or(0.0, |wlf| wlf.reference.0);
         let what = format!("{} °C is hotter than any interlayer bears", show(reference));

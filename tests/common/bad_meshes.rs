@@ -97,7 +97,7 @@ pub fn table() -> Vec<BadMesh> {
         edit("a negative count", &old, ("$Elements\n", "$Elements\n-"), &["is not a count"]),
         edit("a node twice", &old, ("\n2 0.5", "\n1 0.5"), &["two nodes have the number 1"]),
         edit("a block without its entity", &new, ("2 13 0 1\n", "2 77 0 1\n"), &["no entity 77 of dimension 2"]),
-        edit("an element's node missing", TWO, ("9 10 11 12\n$End", "9 10 11 77\n$End"), &["line 29", "node 77 that is not there"]),
+        edit("an element's node missing", TWO, ("9 10 11 12\n$End", "9 10 11 77\n$End"), &["line 29", "node 77, which is not in $Nodes"]),
         edit("an element's node twice", TWO, ("9 10 11 12\n$End", "9 10 11 11\n$End"), &["has node 11 twice"]),
         edit("tags without end", TWO, ("3 5 2 3 1", "3 5 2000 3 1"), &["2000 is not a count of tags"]),
         edit("no elements", TWO, ("3\n1 3 2 1 1 9 10 11 12\n2 5 2 3 1 1 2 3 4 5 6 7 8\n3 5 2 3 1 5 6 7 8 9 10 11 12", "0"), &["no cells"]),
@@ -112,7 +112,7 @@ pub fn table() -> Vec<BadMesh> {
         edit("a length beyond numbers", TWO, ("\n12 0 1 2", "\n12 0 1 1e200"), &["a coordinate of 1e200 m"]),
         edit("a concave hexahedron", TWO, ("\n3 1 1 0", "\n3 -1 -1 0"), &["tangled cell"]),
         edit("hexahedra that do not fit", TWO, ("5 6 7 8 9 10 11 12", "5 7 6 8 9 11 10 12"), &["do not fit: are nodes of one exchanged?"]),
-        edit("a face of no cell", TWO, ("1 3 2 1 1 9 10 11 12", "1 3 2 1 1 1 2 11 12"), &["is none of any cell"]),
+        edit("a face of no cell", TWO, ("1 3 2 1 1 9 10 11 12", "1 3 2 1 1 1 2 11 12"), &["is not a face of any cell"]),
         edit("a loose point", TWO, ("$Nodes\n12\n", "$Nodes\n13\n13 5 5 5\n"), &[]).with(("$Elements\n3\n", "$Elements\n4\n4 15 2 1 1 13\n"), &["node 13 belongs to a point"]),
         edit("a name without quotes", TWO, ("\"top\"", "top"), &["line 6", "expected a name in quotes"]),
     ]

@@ -156,7 +156,7 @@ fn a_signal_ends_the_making_of_a_model() {
         send(signal, &started.child.id().to_string());
         let outcome = started.wait(LIMIT);
         assert_eq!(outcome.status, Some(130), "{command} {signal}: {outcome:#?}");
-        assert!(outcome.stderr.contains("interrupted before the first step: nothing was written"), "{outcome:#?}");
+        assert!(outcome.stderr.contains("interrupted: no result was written"), "{outcome:#?}");
         let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(left, ["scene.toml"], "{command} {signal}");
     }

@@ -109,7 +109,7 @@ impl GmshFile {
                 "$Entities" if is_modern => file.read_entities(&mut tokens)?,
                 "$PartitionedEntities" => {
                     return tokens
-                        .error("the mesh is partitioned: save it whole (in Gmsh: Tools, Partition, Unpartition)");
+                        .error("the mesh is partitioned: save it whole (in Gmsh: Modules, Mesh, Unpartition)");
                 }
                 "$ParametricNodes" => return refuse_parametric(&tokens),
                 "$Nodes" => break,
@@ -300,7 +300,7 @@ impl GmshFile {
         for i in 0..kind.vertices {
             let number = next(tokens)?;
             let Some(index) = self.nodes.take(number) else {
-                return tokens.error(format!("an element has a node {number} that is not there"));
+                return tokens.error(format!("an element has the node {number}, which is not in $Nodes"));
             };
             let index = index as Int;
             if vertices[..i].contains(&index) {
@@ -330,7 +330,7 @@ impl GmshFile {
         }
     }
 
-    /// Checks that there are cells, of one shape, and no node outside them that is more than a position.
+    /// Checks that there are cells, of one shape, and that every node of a point, line or surface also belongs to a cell.
     fn check(&self) -> Result<(), String> {
         let cells = &self.cells;
         if cells.set_of.is_empty() {
@@ -338,7 +338,7 @@ impl GmshFile {
         }
         if let Some(number) = self.nodes.find_loose(cells.vertices.iter().map(|index| *index as usize)) {
             return Err(format!(
-                "node {number} belongs to a point, line or surface but to no cell: save without Mesh.SaveAll"
+                "node {number} belongs to a point, line or surface but to no cell: save without Mesh.SaveAll, and without physical groups beside the volumes"
             ));
         }
         match cells.counts {
@@ -396,7 +396,8 @@ fn read_format<R: BufRead>(tokens: &mut Tokens<R>) -> Result<bool, String> {
     tokens.expect("8")?;
     tokens.binary = is_binary;
     if is_binary && tokens.int()? != 1 {
-        return tokens.error("the file is binary with the bytes of a number in the other order");
+        return tokens
+            .error("the file is big-endian (its bytes have the other order), and only little-endian files are read");
     }
     tokens.expect("$EndMeshFormat")?;
     Ok(is_modern)

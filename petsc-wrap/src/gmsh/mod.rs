@@ -54,7 +54,7 @@ impl Plex {
     ///
     /// # Errors
     /// [`Error::MeshFile`], on all ranks, if the file does not exist or does not follow its format. If a PETSc call
-    /// fails, on one rank alone, for hexahedra that do not fit together.
+    /// fails, on one rank alone, for hexahedra whose faces do not match.
     pub fn gmsh(comm: &Comm, path: &Path) -> Result<GmshMesh> {
         let refused = |message: String| Error::MeshFile { path: path.to_owned(), message };
         let read = || {
@@ -112,7 +112,7 @@ impl Plex {
             let groups = file.facets.groups(i);
             let names = file.groups[0].iter().filter(|group| groups.contains(&group.number));
             let names: Vec<String> = names.map(|group| format!(" of the surface {:?}", group.name)).collect();
-            return Err(format!("a face{} is none of any cell", names.join(" and")));
+            return Err(format!("a face{} is not a face of any cell", names.join(" and")));
         }
         self.label("Face Sets", labels).map_err(told)
     }

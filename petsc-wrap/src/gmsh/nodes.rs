@@ -53,8 +53,8 @@ impl Nodes {
     }
 }
 
-/// Number of parts among `count` nodes that share none, where each of these lists of nodes joins its own; nodes in no
-/// list are not counted.
+/// Number of connected components among `count` nodes, where the nodes of each list are connected; nodes in no list are not
+/// counted.
 pub(super) fn count_parts<'a>(count: usize, lists: impl Iterator<Item = &'a [crate::Int]>) -> usize {
     // Each node refers to another one of its part, and the root of a part to itself.
     let mut parents: Vec<usize> = (0..count).collect();

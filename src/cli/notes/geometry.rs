@@ -11,13 +11,14 @@ use super::Remark;
 /// a thousand.
 const LEAST_OF_TABLE: f64 = 0.01;
 
-/// Peak force of the impactor on a rigid wall over its weight, below which the contact's law is doubtful.
+/// Peak force of the impactor on a rigid wall over its weight, below which the contact law is doubtful.
 const LEAST_OVER_WEIGHT: f64 = 0.1;
 
-/// Sine of the angle between the direction of the impactor and the face that is hit, below which it is doubtful.
+/// Sine of the angle between the direction of the impactor and the face that is hit, below which the direction is doubtful.
 const LEAST_STEEPNESS: f64 = 0.1;
 
-/// Curvature of the surface times the radius of the impactor, above which it is told: the force changes by a third of it.
+/// Curvature of the surface times the radius of the impactor, above which it is told: the peak force on a rigid body changes by
+/// a fifth of this product.
 const CURVED: f64 = 0.02;
 
 /// Diagonal of a body above which its lengths look like millimetres, m; the next limit must be exceeded too.
@@ -89,7 +90,7 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     if matches!(impactor.force_law, ForceLaw::Table(_) | ForceLaw::Power(_)) && force < LEAST_OVER_WEIGHT * weight {
         let text = format!(
             "a rigid wall would stop the impactor with a force of {force:.2e} N, which is far below its weight of {weight:.2e} N: is the \
-             contact's law in m and N?"
+             contact law in m and N?"
         );
         add("units of a law", weight / force, text);
     }
@@ -100,8 +101,8 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     }
     if let Some([radius, distance]) = contact_beyond_edge(scene) {
         let text = format!(
-            "on a body that does not deflect the contact would have a radius of {radius:.2e} m, and the nearest edge of the face that is hit is \
-             {distance:.2e} m away: the contact's law holds for contacts that no edge cuts off"
+            "on a body that does not deflect, the contact would have a radius of {radius:.2e} m, and the nearest edge of the face that is hit is \
+             {distance:.2e} m away: the contact law holds for contacts that no edge cuts off"
         );
         add("contact at an edge", radius / distance, text);
     }
@@ -111,8 +112,8 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
     if let Some(steepness) = steepness(scene, measures).filter(|steepness| *steepness < LEAST_STEEPNESS) {
         let angle = steepness.clamp(-1.0, 1.0).asin().to_degrees();
         let text = format!(
-            "impactor.direction makes an angle of {angle:.1} degrees with the face that is hit: the contact has no friction, and only the \
-             speed along the direction counts"
+            "impactor.direction is {angle:.1} degrees from the plane of the face that is hit. The force acts along this direction, but without \
+             friction it acts along the normal: give the normal as the direction, and the speed along it"
         );
         add("grazing direction", 1.0 / steepness.max(f64::MIN_POSITIVE), text);
     }
@@ -121,17 +122,18 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
         && matches!(scene.impactor.force_law, ForceLaw::Hertz(_))
         && (radius * measures.curvature).abs() > CURVED
     {
-        let (curved, both) = (1.0 / measures.curvature, 1.0 / (1.0 / radius + measures.curvature));
-        let what = if curved > 0.0 { "convex" } else { "concave" };
+        let (mean, both) = (1.0 / measures.curvature, 1.0 / (1.0 / radius + measures.curvature));
+        let what = if mean > 0.0 { "convex" } else { "concave" };
         let advice = match both > 0.0 {
             true => format!(
-                "impactor.radius = {both:.4} is the effective radius 1/(1/R + 1/R_body), if {radius} is that of the impactor alone"
+                "if impactor.radius is that of the impactor alone, give the effective radius {both:.4} = 1/(1/{radius} + 1/{mean:.4})"
             ),
             false => "the impactor does not fit into it, and Hertz's law does not hold".to_owned(),
         };
         let text = format!(
-            "the surface is {what} at the impact point, with a mean radius of curvature of about {:.4} m, and Hertz's law takes it for a plane: {advice}",
-            curved.abs()
+            "the surface is {what} at the impact point, with a mean radius of curvature of about {:.4} m, and Hertz's law assumes a plane: \
+             {advice}",
+            mean.abs()
         );
         add("curved surface", (radius * measures.curvature).abs(), text);
     }

@@ -163,7 +163,7 @@ fn terms(source: &Source, path: &str, given: &Option<FileOrTerms>) -> Result<Vec
         return Err(source.error(path, "there is no term", "terms, or take it out for an elastic material"));
     }
     if pairs.len() > MOST_TERMS {
-        let help = format!("at most {MOST_TERMS}: one or two a decade follow any measurement");
+        let help = format!("at most {MOST_TERMS} terms: one or two per decade of time follow any measured relaxation");
         return Err(source.error(path, format!("there are {} terms", pairs.len()), help));
     }
     for (number, [time, modulus]) in pairs.iter().enumerate() {

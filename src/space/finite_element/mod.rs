@@ -62,7 +62,7 @@ impl Body {
         // K, M and S: nine entries for each pair of nodes, with their column numbers.
         let bytes = 3.0 * 9.0 * of_nodes.entries()? as f64 * (size_of::<f64>() + size_of::<Int>()) as f64;
         let what = format!("the matrices of {} unknowns", 3 * mesh.nodes);
-        let help = "a coarser mesh, or a box without `cells`, for which plates and splines are tried";
+        let help = "a coarser mesh; a box without `cells` is tried as a plate and as a solid of splines";
         let bytes = bytes / mesh.comm.size() as f64;
         memory::check(Some(&mesh.comm), memory::Need { bytes, what: &what, key: "body.mesh", help })?;
         let of_components = Components::new(&of_nodes)?;
