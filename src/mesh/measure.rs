@@ -19,6 +19,8 @@ pub struct Measures {
     pub area: f64,
     /// Named surfaces, sorted by name.
     pub surfaces: Vec<Surface>,
+    /// Named surfaces that are not on the boundary alone or have no faces, with the reason why they cannot be used.
+    pub unusable: Vec<(String, String)>,
     /// Number of parts that share no node.
     pub parts: usize,
     /// Number of pairs of faces that coincide but do not share their nodes, so that the body is not connected there.
@@ -68,6 +70,7 @@ impl Mesh {
             bounds,
             volume: self.volume(),
             surfaces: surfaces.collect(),
+            unusable: self.unusable_surfaces.clone().into_iter().collect(),
             area: self.area(&all),
             parts: self.parts,
             open_faces: self.open_faces(),

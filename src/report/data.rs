@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
-use crate::error::Result;
+use crate::error::{Result, visible};
 use crate::record::extremes::{Extremes, extremes};
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::quantity::{Quantity, quantity};
@@ -94,10 +94,8 @@ impl Data {
 
     /// Title of the report: the title of the scene, or the name of the file if the scene has none.
     pub fn title(&self) -> String {
-        match self.provenance.title.trim() {
-            "" => self.file.clone(),
-            title => title.to_owned(),
-        }
+        let title = self.provenance.title.trim();
+        visible(if title.is_empty() { &self.file } else { title })
     }
 
     /// Reads the dataset `what` of the probe `name`.

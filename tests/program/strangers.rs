@@ -15,6 +15,7 @@ pub const TESTS: &[PlainTest] = tests![
     a_hidden_file_of_options_is_not_read,
     options_in_a_result_are_left_out,
     escapes_are_shown_as_text,
+    a_surface_that_is_lost_is_told,
     sizes_beyond_use_are_refused,
     a_scene_has_some_megabytes,
     little_address_space_is_told,
@@ -80,6 +81,45 @@ fn escapes_are_shown_as_text() {
     let outcome = run(ricochet(folder.path(), 0).args(["check", &format!("{escape}.toml")]));
     assert_eq!(outcome.status, Some(2));
     assert!(!outcome.stderr.contains('\u{1b}') && outcome.stderr.contains("\\u{1b}"), "{:?}", outcome.stderr);
+}
+
+/// A strength on a face that the mesh does not have would never be judged, nor a tension on a surface without faces.
+fn a_surface_that_is_lost_is_told() {
+    let mesh = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/meshes/block-hex.msh")).unwrap();
+    // Faces of the surface "bottom" get no group.
+    let lost: Vec<String> = mesh
+        .lines()
+        .map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
+            [number, "3", "2", "3", ref rest @ ..] => format!("{number} 3 2 0 {}", rest.join(" ")),
+            _ => line.to_owned(),
+        })
+        .collect();
+    let scene = BOX.replace("size = [0.5, 0.5, 0.02]\ncells = [4, 4, 1]\n", "mesh = \"block.msh\"\n");
+    let scene =
+        scene.replace("symmetry = \"none\"\n", "").replace("speed = 1\n", "speed = 1\npoint = [0.0, 0.0, 0.5]\n");
+    let folder = folder(&scene);
+    let path = folder.path().join("block.msh");
+    fs::write(&path, &mesh).unwrap();
+    let strength = "--set strength.face.botom=3e6";
+    for line in ["check scene.toml", "limit scene.toml --vary impactor.speed=0.5..1"] {
+        let outcome = run(ricochet(folder.path(), 0).args(words(&format!("{line} {strength}"))));
+        assert!(outcome.status == Some(2) && outcome.stderr.contains("no surface \"botom\""), "{line}: {outcome:#?}");
+    }
+    let line = format!("sweep scene.toml --vary impactor.speed=0.5,1 -o s.h5 {strength}");
+    let outcome = run(ricochet(folder.path(), 0).args(words(&line)));
+    assert!((outcome.stdout.clone() + &outcome.stderr).contains("no surface \"botom\""), "{outcome:#?}");
+    let check = "check scene.toml --set strength.tension=3e6";
+    let said = good(&folder, 0, check);
+    assert!(
+        !said.stdout.contains("no stresses are read") && !said.stdout.contains("named surfaces alone"),
+        "{said:#?}"
+    );
+    assert!(lost.iter().any(|line| line.contains(" 3 2 0 ")));
+    fs::write(&path, lost.join("\n") + "\n").unwrap();
+    let said = good(&folder, 0, check);
+    for told in ["the surface \"bottom\" has no faces", "named surfaces alone, which have 5.0000 m2 of 6.0000 m2"] {
+        assert!(said.stdout.contains(told), "{told}: {said:#?}");
+    }
 }
 
 /// `check` answers within seconds, or refuses.

@@ -21,6 +21,9 @@ const LEAST_STEEPNESS: f64 = 0.1;
 /// a fifth of this product.
 const CURVED: f64 = 0.02;
 
+/// Part of the boundary that named surfaces must have where a strength is given; the rest is rounding of sums.
+const LEAST_NAMED: f64 = 0.999;
+
 /// Diagonal of a body above which its lengths look like millimetres, m; the next limit must be exceeded too.
 const LONG_DIAGONAL: f64 = 20.0;
 
@@ -136,6 +139,17 @@ pub fn of_geometry(scene: &Scene, measures: Option<&Measures>) -> Vec<Remark> {
             mean.abs()
         );
         add("curved surface", (radius * measures.curvature).abs(), text);
+    }
+    for (name, reason) in &measures.unusable {
+        add("unusable surface", 1.0, format!("the surface {name:?} {reason}: no stresses are read on it"));
+    }
+    let named: f64 = measures.surfaces.iter().map(|surface| surface.area).sum();
+    if scene.strength.is_given() && named < LEAST_NAMED * measures.area {
+        let text = format!(
+            "stresses are read on the named surfaces alone, which have {named:.4} m2 of {:.4} m2: a larger tension elsewhere is not judged",
+            measures.area
+        );
+        add("unnamed boundary", measures.area / named.max(f64::MIN_POSITIVE), text);
     }
     if measures.parts > 1 {
         let text = format!(

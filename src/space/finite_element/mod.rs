@@ -25,7 +25,7 @@ use super::{Space, SurfaceTerms};
 use crate::body::{Body, Lumped, Pads, Relaxation, deviates, memory};
 use crate::contact::Localization;
 use crate::description::{Description, region};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::material::Maxwell;
 use crate::mesh::Mesh;
 use crate::scene::{Contact, Fault, Geometry, Scene, Scheme, Vec3};
@@ -52,7 +52,9 @@ impl Body {
                 )
                 .into());
             }
-            Contact::Patch { radius, disc: None } => Localization::patch(mesh, scene, radius)?,
+            Contact::Patch { radius, disc: None } => {
+                Localization::patch(mesh, scene, radius).map_err(|error| with_number_of_parts(error, mesh))?
+            }
             Contact::Area(area) => Localization::area(mesh, scene, &area)?,
             Contact::Point => Localization::point(mesh, &scene.impactor)?,
         };
@@ -164,7 +166,11 @@ fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
     let supports = scene.supports.iter().enumerate().map(|(i, s)| (format!("support.{i}.surface"), &s.surface));
     let tractions =
         scene.load.traction.iter().enumerate().map(|(i, t)| (format!("load.traction.{i}.surface"), &t.surface));
-    for (key, name) in supports.chain(tractions) {
+    // On a box, strengths are checked with its theory.
+    let is_read = matches!(scene.body.geometry, Geometry::Gmsh(_));
+    let strengths = scene.strength.by_face.keys().filter(|_| is_read);
+    let strengths = strengths.map(|name| (format!("strength.face.{name}"), name));
+    for (key, name) in supports.chain(tractions).chain(strengths) {
         if !mesh.surfaces.contains_key(name) {
             let known: Vec<String> = mesh.surfaces.keys().map(|name| format!("{name:?}")).collect();
             let help = match known.as_slice() {
@@ -183,6 +189,17 @@ fn check_surfaces(scene: &Scene, mesh: &Mesh) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Adds to a fault of the contact that the mesh has several parts, which may be its cause.
+fn with_number_of_parts(error: Error, mesh: &Mesh) -> Error {
+    match error {
+        Error::Fault(fault) if mesh.parts > 1 => {
+            let message = format!("{} (the mesh has {} parts that share no node)", fault.message, mesh.parts);
+            Error::Fault(Box::new(Fault { message, ..*fault }))
+        }
+        other => other,
+    }
 }
 
 /// Checks that every part of a surface that the scene names has a non-zero area. On a box, this is known from its size; a
