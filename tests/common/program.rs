@@ -102,8 +102,9 @@ impl Started {
     /// Waits for the end. A program that exceeds the limit is killed and fails the test.
     pub fn wait(mut self, limit: Duration) -> Outcome {
         let status = wait(&mut self.child, limit);
+        // mpirun of Open MPI 5 ends its own messages with a NUL character.
         let text =
-            |path: &std::path::PathBuf| String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).into_owned();
+            |path: &std::path::PathBuf| String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).replace('\0', "");
         let [stdout, stderr] = self.output.each_ref().map(text);
         let Some(status) = status else {
             panic!("not ended after {limit:?}; it said:\n{stdout}{stderr}");

@@ -94,8 +94,8 @@ fn relative_relaxation_is_told() {
     let terms = "material.interlayer.prony=[{modulus=0.6,time=1e-4},{modulus=0.35,time=1e-2}]";
     let said = doubted_of(LAMINATE, &["material.interlayer.shear=1e6", terms]);
     assert!(
-        matches!(&said[..], [one] if one.contains("material.interlayer.prony: the terms have 0.95 Pa in all")
-            && one.contains("multiplied by the shear modulus at t = 0")),
+        matches!(&said[..], [one] if one.contains("material.interlayer.prony: the terms add up to 0.95 Pa")
+            && one.contains("multiply each relative one by the modulus at t = 0")),
         "{said:?}"
     );
     let large = "material.interlayer.prony=[{modulus=0.6e6,time=1e-4},{modulus=0.35e6,time=1e-2}]";

@@ -166,7 +166,15 @@ fn an_interruption_between_steps_has_a_checkpoint(session: &Session) {
         let (flow, rest) = watched(Some(&checkpoint), 0);
         assert!(flow.is_continue());
         series.extend(rest.series);
-        assert!(series == whole.series, "interrupted at {part}/12");
+        assert_eq!(series.len(), whole.series.len(), "interrupted at {part}/12");
+        let peak = whole.series.iter().map(|step| step.contact.force).fold(0.0, f64::max);
+        let apart = series.iter().zip(&whole.series).map(|(own, right)| {
+            ((own.contact.force - right.contact.force) / peak).abs().max((own.time / right.time - 1.0).abs())
+        });
+        let apart = apart.fold(0.0, f64::max);
+        // Equal, but for libraries that factorise the same matrix with another rounding each time (Debian 13), which later
+        // contacts amplify. A state that lacks something is apart by 1e-3.
+        assert!(apart < 1e-8, "interrupted at {part}/12: {apart:e}");
         gone_on += 1;
     }
     println!("{gone_on} of 11 gone on, asked {all} times over {} steps", whole.series.len());

@@ -145,8 +145,8 @@ fn a_checkpoint_has_what_relaxes(session: &Session) {
     let rest = run(&mut again);
     let joined: Vec<Step> = stopping.steps.into_iter().chain(rest).collect();
     assert_eq!(joined.len(), whole.len());
-    // Equal, except for rounding of a new factorisation of the same matrix.
-    assert!(difference(&whole, &joined) < 1e-12, "{:e}", difference(&whole, &joined));
+    // Equal, except for rounding of a new factorisation of the same matrix: 2e-12 with the libraries of Debian 13.
+    assert!(difference(&whole, &joined) < 1e-10, "{:e}", difference(&whole, &joined));
 }
 
 /// The pane of an independent program (tests/fixtures/laminated): 0.5 × 0.5 m, 10 / 0.76 / 10 mm.
