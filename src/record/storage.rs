@@ -23,6 +23,11 @@ const ROOM: u64 = 64 << 20;
 /// Depth of groups in a file beyond which it is not one of this program.
 const DEEPEST: usize = 8;
 
+/// Alignment in a file of objects of at least [`LEAST_ALIGNED`] bytes, bytes: a part of a page. The header of a dataset takes
+/// 268. A kill may end a write at the border of two pages, where a header would lose its checksum.
+const ALIGNMENT: u64 = 512;
+const LEAST_ALIGNED: u64 = 256;
+
 /// Names of the links from a result to the fields beside it, which no command follows.
 const LINKS: [&str; 2] = ["VTKHDF", "fields"];
 
@@ -30,7 +35,12 @@ const LINKS: [&str; 2] = ["VTKHDF", "fields"];
 /// for writing, and would not open it again after a kill.
 fn options() -> FileBuilder {
     let mut builder = File::with_options();
-    builder.with_fapl(|access| access.libver_bounds(LibraryVersion::V18, LibraryVersion::V18));
+    builder.with_fapl(|access| {
+        access.libver_bounds(LibraryVersion::V18, LibraryVersion::V18).alignment(LEAST_ALIGNED, ALIGNMENT);
+        // Without blocks for small objects, whose unused rest is cut off later: a kill between the cut and the note of the
+        // new length would leave a file that is too short.
+        access.meta_block_size(0).small_data_block_size(0)
+    });
     builder
 }
 
