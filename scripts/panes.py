@@ -11,7 +11,6 @@ from estimates import Result, percent
 from markers import replace, table
 
 TOLERANCE = 1e-2
-# At this tolerance, the basis contains the echoes of short waves.
 REFERENCE = 1.4e-3
 # Panes 1 to 12 are among the 31 on which the estimates were calibrated.
 NUMBERS = range(13, 25)

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from estimate_scenes import MATERIALS, Draw, Scene, halton
-from estimates import percent
 from markers import replace, table
-from panes import HEAD, TOLERANCE, row, run, seconds
+from panes import HEAD, row
 
 REFERENCE = 3e-3
 # Multiples of 31, which is none of the bases, so that consecutive draws also differ in large bases.
@@ -70,40 +69,6 @@ class Laminate(Scene):
         return f"{' × '.join(f'{x:g}' for x in self.size)} m, {layers} mm, {self.named()}, {edge}"
 
 
-@dataclass(frozen=True)
-class Window:
-    """An impact on a laminate whose echoes are computed in closed form; `end` of the run, s."""
-
-    laminate: Laminate
-    end: float
-
-
-# The first is a pane and the ball of EN 356.
-WINDOWS = [
-    Window(Laminate((1.1, 0.9), 1e9, 4.11, 0.05, 5.42, (0.0, 0.0), "PVB", layers=(0.004, 0.00076, 0.004)), 5e-3),
-    Window(Laminate((1.0, 0.8), 1e9, 0.5, 0.03, 4.0, (0.0, 0.0), "PVB", layers=(0.004, 0.00076, 0.004)), 1e-3),
-    Window(Laminate((1.0, 0.8), 1e9, 0.4, 0.025, 3.0, (0.2, 0.1), "PVB", layers=(0.008, 0.00076, 0.003)), 8e-4),
-]
-HEAD_OF_WINDOWS = ["pane", "impactor", "time simulated", "vectors", "acceleration: difference (estimates)", "tension near its peak", "largest tension", "time"]
-# If a strength is given, the basis carries the echoes.
-WITHOUT_CLOSED_FORMS = "strength.tension=1e12"
-
-
-def compared(program, out, number, window):
-    """One window: the run with echoes in closed form beside the run without closed forms."""
-    folder = out / f"window{number}"
-    folder.mkdir(parents=True, exist_ok=True)
-    scene, end = window.laminate, window.end
-    own, whole = (run(program, folder, scene, "layerwise", end, TOLERANCE, more) for more in ((), (WITHOUT_CLOSED_FORMS,)))
-    differences = own.errors(whole)
-    cells = [f"{percent(differences[name])} ({percent(own.estimates[name])}, {percent(whole.estimates[name])})" for name in ("acceleration", "tension")]
-    vectors = " / ".join(of.reduction.split()[0] for of in (own, whole))
-    times = f"{seconds(own)} / {seconds(whole)} s"
-    words = [scene.plate(), scene.impactor(), f"{1e3 * end:g} ms", vectors, *cells, percent(differences["largest tension"]), times]
-    print(number, *words, flush=True)
-    return words
-
-
 def drawn(number):
     """A laminate by Halton's sequence, hit by a ball of steel of 1% to 8% of the mass of the glass; every third is hit off its centre."""
     draw = Draw(number)
@@ -121,8 +86,6 @@ def main():
     program, out, document = sys.argv[1], Path(sys.argv[2]), sys.argv[3]
     rows = [row(program, out, number, drawn(number), "layerwise", REFERENCE) for number in NUMBERS]
     replace(document, "wide", table(HEAD, rows))
-    windows = [compared(program, out, number, window) for number, window in enumerate(WINDOWS, 1)]
-    replace(document, "windows", table(HEAD_OF_WINDOWS, windows))
 
 
 if __name__ == "__main__":

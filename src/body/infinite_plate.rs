@@ -4,7 +4,7 @@
 //! Short waves disperse on their way to the edges and back, so that neglecting their echoes causes little error. A long
 //! basis therefore keeps only the modes below a frequency ω_c. Each mode is weighted by √g on its input and on its
 //! output, with Butterworth's g(ω) = 1/(1 + (ω/ω_c)^{2n}). The continuous spectrum of the infinite plate takes the part
-//! 1 − g. On rectangular plates, modes in closed form precede it ([`RectangularPlate`]).
+//! 1 − g.
 //!
 //! The mobility of an infinite plate is a sum over waves: Σ φ² over the modes within dω tends to ν(ω) dω, with
 //! ν = (2/π) Re Y(iω). For a thin plate, ν is constant, ν = 2/(π Z) with Zener's impedance Z. With
@@ -23,9 +23,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use nalgebra::Complex;
 
 use super::Mode;
-use super::rectangular_plate::RectangularPlate;
 use super::shift::vectors_over_one_shift;
-use crate::material::Maxwell;
 
 /// Order n of g: its number of poles with Re λ < 0.
 const POLES: usize = 8;
@@ -36,35 +34,14 @@ const BAND: f64 = 1.25;
 /// Modes with a smaller g do not move the impact point.
 const SMALLEST_WEIGHT: f64 = 1e-3;
 
-/// Ratio to ω_c of a frequency at which g is negligible.
-const NEGLIGIBLE: f64 = 2.0;
-
 /// Number of basis vectors for each mode below ω_c, at a shift of [`SHIFT_OVER_CUTOFF`]. Measured on a pane: a value of
 /// 1 leaves an error of 1e-3 of the peak in the first contact and 4e-3 over three times this period; 0.9 leaves 5e-3
 /// and 1.4e-2. With free edges, several hundred modes are up to a tenth more than the area gives.
 pub const VECTORS_PER_MODE: f64 = 1.1;
 
-/// The same if the modes are counted one by one. Measured on 31 panes with 50 to 600 vectors: with 1.0 and 1.1, the
-/// vectors do not resolve the modes near ω_c of some panes, and late in the first contact the force has errors of 1.4%
-/// and 0.6% of the peak where it has 0.35% with 1.15 and 0.25% with 1.22. On free panes, whose corners scatter waves,
-/// fewer vectors per mode give smaller errors: 0.68%, 0.59%, 0.51% and 0.43% with 1.22, 1.15, 1.1 and 1.
-const VECTORS_PER_COUNTED_MODE: f64 = 1.15;
-
 /// Ratio of the shift to ω_c. Larger shifts suit a short contact better, but the basis lacks the slow motions that
 /// influence later contacts.
 pub const SHIFT_OVER_CUTOFF: f64 = 0.5;
-
-/// Ratio of the largest frequency of the modes in closed form to ω_c. Measured on a pane with 500 vectors: with 2, 3, 4
-/// and 6, the force has errors of 2.7%, 1.2%, 0.7% and 0.5% of the peak; each costs little more time than the one
-/// before.
-const CLOSED_FORM_OVER_BASIS: f64 = 6.0;
-
-/// Least value of that ratio, for which the thickness-shear mode leaves enough modes.
-const LEAST_CLOSED_FORM_OVER_BASIS: f64 = 4.0;
-
-/// Largest frequency of modes in closed form over that of the thickness-shear mode, above which other waves propagate
-/// too.
-const LARGEST_OVER_SHEAR: f64 = 0.9;
 
 /// Response of the infinite plate at the impact point, for the modelled part of the plate.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,18 +58,8 @@ pub struct InfinitePlate {
     pub impedance: f64,
     /// Distance of the impact point from the nearest edge, m.
     pub distance_to_edge: f64,
-    /// The whole plate, if its short waves are computed in closed form.
-    pub rectangle: Option<RectangularPlate>,
     /// Number of basis vectors for each mode below ω_c.
     pub vectors_per_mode: f64,
-}
-
-/// Coordinates of the waves that the modes of a basis leave out.
-pub struct WavesAbove {
-    /// Modes in closed form, up to ω₁.
-    pub modes: Vec<Mode>,
-    /// Waves of the infinite plate above them.
-    pub outgoing: Vec<Mode>,
 }
 
 /// Number of bending modes of a plate up to a frequency, estimated from its area A (Weyl's law): A ξ²/4π modes have
@@ -136,58 +103,20 @@ fn linear(pairs: &[(f64, f64)], at: f64, of: impl Fn(&(f64, f64)) -> (f64, f64))
 }
 
 impl InfinitePlate {
-    /// Returns the plate with the echoes of its short waves computed in closed form, or neglected if there is no
-    /// rectangle.
-    pub fn with_echoes(self, rectangle: Option<RectangularPlate>) -> Self {
-        let vectors_per_mode = if rectangle.is_some() { VECTORS_PER_COUNTED_MODE } else { VECTORS_PER_MODE };
-        Self { rectangle, vectors_per_mode, ..self }
-    }
-
     /// Returns the plate for a basis with a number of shifts. Only the vectors at the first shift count as resolving
     /// modes.
     pub fn with_shifts(self, shifts: usize) -> Self {
         Self { vectors_per_mode: vectors_over_one_shift(shifts) * self.vectors_per_mode, ..self }
     }
 
-    /// Whether modes in closed form reach far enough above ω_c (rad/s).
-    pub fn has_echoes_above(&self, frequency: f64) -> bool {
-        self.rectangle.is_some() && self.cutoff_of_closed_form(frequency) >= LEAST_CLOSED_FORM_OVER_BASIS * frequency
-    }
-
     /// Returns ω_c of a basis with this number of vectors: the frequency up to which it contains the modes, rad/s.
     pub fn cutoff(&self, vectors: usize) -> f64 {
-        let modes = (vectors as f64 / self.vectors_per_mode).max(1.0);
-        let Some(rectangle) = &self.rectangle else {
-            return self.modes.frequency(modes);
-        };
-        // The edges change the number of modes that follows from the area.
-        let estimate = self.modes.frequency(modes);
-        let ends = [1.0, 1.3, 1.7, 2.2, 3.0].map(|factor| factor * estimate);
-        let between = |end: f64| {
-            let frequencies = rectangle.frequencies(end);
-            let [last, next] = frequencies.get(modes as usize - 1..=modes as usize)? else { return None };
-            // Halfway between the last mode of the basis and the next one.
-            Some(0.5 * (last + next))
-        };
-        ends.into_iter().find_map(between).unwrap_or(estimate)
+        self.modes.frequency((vectors as f64 / self.vectors_per_mode).max(1.0))
     }
 
     /// Returns the number of basis vectors that contain the modes up to a frequency (rad/s).
     pub fn vectors(&self, frequency: f64) -> usize {
-        let modes = match &self.rectangle {
-            Some(rectangle) => rectangle.frequencies(frequency).len() as f64,
-            None => self.modes.up_to(frequency),
-        };
-        (self.vectors_per_mode * modes).ceil() as usize
-    }
-
-    /// Returns the frequency up to which modes in closed form follow those of a basis with ω_c (both rad/s).
-    fn cutoff_of_closed_form(&self, cutoff: f64) -> f64 {
-        let of = |plate: &RectangularPlate| {
-            let largest = LARGEST_OVER_SHEAR / NEGLIGIBLE * plate.waves.largest();
-            (CLOSED_FORM_OVER_BASIS * cutoff).min(largest).max(cutoff)
-        };
-        self.rectangle.as_ref().map_or(cutoff, of)
+        (self.vectors_per_mode * self.modes.up_to(frequency)).ceil() as usize
     }
 
     /// Returns the rise time t of the contact force, s, for a contact stiffness k (N/m^1.5) and an impact speed v
@@ -224,31 +153,8 @@ impl InfinitePlate {
         self.density.len() == 1
     }
 
-    /// Returns the plate with other Prony series for its viscoelastic parts, in the same order, for a basis with their
-    /// moduli at `rate` (1/s). Only modes in closed form change. The waves above them keep their moduli: in such short
-    /// waves the plies bend almost separately.
-    #[must_use]
-    pub fn with_chains(&self, chains: &[&Maxwell], rate: f64) -> Self {
-        let rectangle = self.rectangle.clone().and_then(|plate| plate.with_chains(chains, rate));
-        Self { rectangle, ..self.clone() }
-    }
-
-    /// Returns the plate for a basis with the moduli of viscoelastic parts at a rate (1/s).
-    #[must_use]
-    pub fn at_rate(self, rate: f64) -> Self {
-        Self { rectangle: self.rectangle.and_then(|plate| plate.at_rate(rate)), ..self }
-    }
-
-    /// Returns the coordinates of all waves that modes weighted by g with ω_c (rad/s) leave out.
-    pub fn waves_above(&self, cutoff: f64) -> WavesAbove {
-        let largest = self.cutoff_of_closed_form(cutoff);
-        let between = |frequency: f64| weight(frequency, largest) - weight(frequency, cutoff);
-        let modes = self.rectangle.iter().flat_map(|plate| plate.modes(self, NEGLIGIBLE * largest, between));
-        WavesAbove { modes: modes.collect(), outgoing: self.short_waves(largest) }
-    }
-
     /// Returns the coordinates that represent the part 1 − g above ω_c (rad/s).
-    fn short_waves(&self, cutoff: f64) -> Vec<Mode> {
+    pub fn short_waves(&self, cutoff: f64) -> Vec<Mode> {
         let last = self.density.last().map_or(0.0, |(at, _)| *at);
         let mut edges = vec![cutoff];
         while !self.is_thin() && edges[edges.len() - 1] < last {
@@ -296,7 +202,6 @@ impl InfinitePlate {
             modes: ModeCount::of_thin_plate(1e-2, 0.1),
             impedance: 2000.0,
             distance_to_edge: 1.0,
-            rectangle: None,
             vectors_per_mode: VECTORS_PER_MODE,
         }
     }
@@ -307,7 +212,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     use super::*;
-    use crate::body::{BendingWaves, Closed, EdgeSprings, PlateWaves, Projection, Spectrum};
+    use crate::body::{Closed, Projection, Spectrum};
 
     /// Returns Re Y(iω) of coordinates: Y = s Σ c/(s − λ), with half of each conjugate pair.
     fn mobility(modes: &[Mode], frequency: f64) -> f64 {
@@ -378,26 +283,6 @@ mod tests {
         }
     }
 
-    /// A basis with the vectors for all modes up to a frequency contains the modes up to that frequency.
-    #[test]
-    fn vectors_and_frequencies_are_inverse() {
-        let waves = BendingWaves { mass: 20.0, rigidity: 3150.0, shear: 2e8, rotary: 1e-4, poisson: 0.23 };
-        let waves = PlateWaves::Mindlin(waves);
-        let edges = [[EdgeSprings::default(); 2]; 2];
-        let rectangle =
-            RectangularPlate { lengths: [0.6, 0.8], hit: [0.3, 0.4], is_symmetric: [true; 2], edges, waves };
-        let modes = ModeCount::of_thin_plate(7.6e-3, 0.1);
-        let plate =
-            InfinitePlate { modes, ..InfinitePlate::of(vec![(0.0, 1e-4)]) }.with_echoes(Some(rectangle.clone()));
-        for frequency in [1e4, 5e4, 2e5] {
-            let found = plate.cutoff(plate.vectors(frequency));
-            let modes = rectangle.frequencies(1.1 * frequency);
-            // The numbers of vectors and modes are integers: the frequencies of the modes beside are the tolerance.
-            let after = modes.partition_point(|mode| *mode < frequency);
-            assert!(found >= modes[after - 2] && found <= modes[after + 1], "{found} for {frequency}");
-        }
-    }
-
     /// Displacement of the surface at some times, m/N, under a force sin²(πt/T) of duration T.
     fn moved(modes: &[Mode], period: f64, times: &[f64]) -> Vec<f64> {
         // sin² = (1 − cos 2πt/T)/2: each part is an exponential with a rate μ.
@@ -447,7 +332,6 @@ mod tests {
             modes: ModeCount::of_thin_plate(edges[0] * edges[1] / (16.0 * PI) * 1.6 / VECTORS_PER_MODE, slowness),
             impedance: 8.0 * mass / slowness,
             distance_to_edge: 0.5,
-            rectangle: None,
             vectors_per_mode: VECTORS_PER_MODE,
         };
         let closed = Closed { tangent: 1.0, compliance: 0.0, mass: 1e9, accuracy: 1e-3, end: 1.0 };

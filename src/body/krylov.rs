@@ -302,8 +302,7 @@ impl Krylov {
         let mut projection = self.projected.projection(body, &self.properties, &self.basis, self.rate)?;
         let plate = body.infinite_plate().filter(|_| self.leaves_short_waves);
         projection.mode_acceleration = self.mode_acceleration;
-        let rate = projection.rate;
-        projection.infinite_plate = plate.map(|plate| plate.clone().with_shifts(self.shifts.len()).at_rate(rate));
+        projection.infinite_plate = plate.map(|plate| plate.clone().with_shifts(self.shifts.len()));
         Ok(projection)
     }
 }

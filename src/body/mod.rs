@@ -33,7 +33,6 @@ mod projected;
 mod projection;
 mod rational_eigen;
 mod real_parts;
-mod rectangular_plate;
 mod relaxation;
 mod relaxing_directions;
 mod row_blocks;
@@ -67,9 +66,6 @@ pub use modes::{Closed, Free, Mode, Modes, Spectrum};
 pub use operators::Body;
 pub use pads::{PadOnSurface, PadPoints, Pads};
 pub use projection::Projection;
-pub use rectangular_plate::{
-    BendingWaves, EdgeSprings, LaminateWave, LayeredWaves, PlateWaves, RectangularPlate, Wavenumbers,
-};
 pub use relaxation::{ProjectedRelaxation, Relaxation};
 pub(crate) use shapes::{Forms, Shapes};
 pub use shift::{rates, vectors_over_one_shift};

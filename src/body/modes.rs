@@ -253,9 +253,6 @@ impl Spectrum {
     /// Multiplies the frequency ω (rad/s) of each vibration by `ratio` of it.
     pub fn retuned(mut self, ratio: impl Fn(f64) -> f64) -> Self {
         self.squares.apply(|square| *square *= ratio(square.max(0.0).sqrt()).powi(2));
-        if let Some(waves) = &mut self.short_waves {
-            waves.retune(ratio);
-        }
         self
     }
 
@@ -390,7 +387,7 @@ impl Spectrum {
             (modes, None, None)
         };
         if let Some(waves) = &self.short_waves {
-            modes.extend(waves.coordinates());
+            modes.extend(&waves.coordinates);
             // The short-wave coordinates are not part of x and v.
             damped = damped.map(|shapes| shapes.map(|shape| shape.with_columns(modes.len())));
         }

@@ -102,8 +102,6 @@ impl Projection {
             changed.elastic += &part.distortion * rise;
             part.chain = chain.clone();
         }
-        let chains: Vec<&Maxwell> = chains.iter().collect();
-        changed.infinite_plate = self.infinite_plate.as_ref().map(|plate| plate.with_chains(&chains, self.rate));
         changed
     }
 
@@ -166,13 +164,6 @@ impl Projection {
             .chain(scalars)
             .chain([&mut local_stress_per_newton[..]])
             .chain(of_foundation)
-    }
-
-    /// Returns the same body with half as many modes of the basis, so that ω_c is lower.
-    pub fn with_half_the_modes(&self) -> Self {
-        let halved =
-            |plate: &InfinitePlate| InfinitePlate { vectors_per_mode: 2.0 * plate.vectors_per_mode, ..plate.clone() };
-        Self { infinite_plate: self.infinite_plate.as_ref().map(halved), ..self.clone() }
     }
 
     /// Returns the same body on the first `count` vectors of the basis.

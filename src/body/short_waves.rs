@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, DVector};
 
-use super::infinite_plate::{WavesAbove, weight};
+use super::infinite_plate::weight;
 use super::{Mode, Projection};
 
 /// Weight g of the vibrations that only stresses and displacements are read from. The contact force does not move them.
@@ -18,7 +18,7 @@ const DAMPING_RATIO: f64 = 0.1;
 /// Coordinates that represent the short waves of a plate, and the weights of the modes.
 pub struct ShortWaves {
     /// First-order coordinates of the short waves.
-    pub above: WavesAbove,
+    pub coordinates: Vec<Mode>,
     /// Static compliance of the waves that are faster than any contact, m/N.
     pub static_compliance: f64,
     /// Weights √g of the modes.
@@ -39,33 +39,18 @@ impl ShortWaves {
         let cutoff = plate.cutoff(projection.vectors());
         let weights = squares.map(|square| weight(square.max(0.0).sqrt(), cutoff));
         let acting = weights.iter().filter(|weight| **weight > 0.0).count();
-        // Without modes in closed form, the modes below ω_c contain the vibrations that tensions need. But relaxation
-        // changes their shapes, for which the modes above are needed.
+        // The modes below ω_c contain the vibrations that tensions need. But relaxation changes their shapes, for which
+        // the modes above are needed.
         let relaxes = projection.relaxations.iter().any(|part| !part.chain.terms.is_empty());
-        let keeps_all = plate.rectangle.is_some() || relaxes;
-        let (kept, least) = if keeps_all { (weights.len(), READ_ONLY) } else { (acting, 0.0) };
+        let (kept, least) = if relaxes { (weights.len(), READ_ONLY) } else { (acting, 0.0) };
         Some(Self {
-            above: plate.waves_above(cutoff),
+            coordinates: plate.short_waves(cutoff),
             static_compliance: plate.static_compliance(cutoff),
             weights: weights.map(|weight| weight.max(least).sqrt()),
             acting,
             kept,
             force: force.clone(),
         })
-    }
-
-    /// Multiplies the frequency ω (rad/s) of each mode in closed form by `ratio(ω)`. The modes are those of an elastic plate.
-    pub fn retune(&mut self, ratio: impl Fn(f64) -> f64) {
-        for mode in &mut self.above.modes {
-            let factor = ratio(mode.rate.im);
-            mode.rate *= factor;
-            mode.output /= factor;
-        }
-    }
-
-    /// Returns all coordinates.
-    pub fn coordinates(&self) -> impl Iterator<Item = &Mode> {
-        self.above.modes.iter().chain(&self.above.outgoing)
     }
 
     /// Damps the vibrations that do not move the impact point. Their static response does not change. `numbers` are the

@@ -14,7 +14,7 @@ use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::trials::{Trial, Trials};
 use super::watch::{Stage, Watch};
-use crate::body::{DirectSum, InfinitePlate, ModalBody};
+use crate::body::{DirectSum, ModalBody};
 use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, TIME_STEP_SHARE, Trace, joined, rest};
 use crate::mesh::Measures;
@@ -76,9 +76,6 @@ pub struct CellSize {
 /// coarser cells carry no more waves, and with all vectors the difference was ten times the error.
 const MAX_COMPARED_VECTORS: usize = 800;
 
-/// Number of basis vectors over that on which cells are compared, if the echoes of short waves are computed in closed form.
-const COMPARED_BESIDE_ECHOES: f64 = 1.8;
-
 /// Largest value of unknowns times the square of the number of vectors for which cells are still refined. Such a basis
 /// takes some five seconds, and one on finer cells at least as long. Beyond this value the remaining discretisation
 /// error is reported with the results.
@@ -87,11 +84,8 @@ const LARGEST_REFINED_COST: f64 = 4e9;
 impl Fitted {
     /// Number of basis vectors on which cells are compared.
     fn compared(&self) -> usize {
-        let [smaller, vectors] = self.reduced.counts();
         match &self.reduced.projection.infinite_plate {
-            // Both bases have the same number of vectors.
-            Some(InfinitePlate { rectangle: Some(_), .. }) => (vectors as f64 / COMPARED_BESIDE_ECHOES).ceil() as usize,
-            Some(_) => smaller,
+            Some(_) => self.reduced.counts()[0],
             None => self.reduced.projection.vectors().min(MAX_COMPARED_VECTORS),
         }
     }

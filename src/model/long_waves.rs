@@ -16,12 +16,6 @@ const MEASURED: f64 = 5e-3;
 /// Order of convergence in ω_c.
 pub(super) const ORDER: f64 = 2.4;
 
-/// Ratio of the frequency that a basis must resolve without echoes to ω_c of a basis with echoes in closed form.
-const RESOLVED_OVER_BASIS: f64 = 3.4;
-
-/// The same if waves that the corners scatter meet at the impact point.
-const RESOLVED_OVER_BASIS_BETWEEN_CORNERS: f64 = 2.8;
-
 /// Least number of vectors from which a plate's short waves are treated separately. With all waves the basis of a pane
 /// needs three times as many vectors.
 const SHORT_WAVES_APART: usize = 100;
@@ -53,23 +47,14 @@ impl LongWaves {
         let of_error = (MEASURED / (BASIS_SHARE * scene.tolerance)).powf(1.0 / ORDER);
         let frequency = TAU * FREQUENCY_TIMES_RISE * of_error
             / plate.rise(scene.impactor.stiffness, scene.impactor.contact_speed());
-        let all = plate.clone().with_echoes(None).vectors(frequency);
+        let vectors = plate.vectors(frequency);
         let least = match scene.body.composition.uniform() {
             Some(_) => SHORT_WAVES_APART,
             None => SHORT_WAVES_APART_IN_LAMINATE,
         };
-        if all < least || plate.is_near_edge(frequency) {
+        if vectors < least || plate.is_near_edge(frequency) {
             return None;
         }
-        let over_basis = match &plate.rectangle {
-            None => 1.0,
-            Some(rectangle) if rectangle.do_corner_waves_meet() => RESOLVED_OVER_BASIS_BETWEEN_CORNERS,
-            Some(_) => RESOLVED_OVER_BASIS,
-        };
-        // Counting one by one takes long, and is needless if the area gives far too many modes.
-        let is_countable = all as f64 <= 2.0 * over_basis * most as f64;
-        let frequency = frequency / over_basis;
-        let vectors = if is_countable { plate.vectors(frequency) } else { all };
         (vectors <= most).then_some(Self { frequency, vectors })
     }
 }

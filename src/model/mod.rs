@@ -1,6 +1,5 @@
 //! Selects the theory for a scene's body, reduces the body to a basis, and runs impacts on it.
 
-mod beside_echoes;
 mod cell_error;
 mod cells;
 mod elastic_cells;
@@ -63,8 +62,8 @@ pub struct Model {
     pub cell_size: f64,
     /// Number of basis vectors, if the body is reduced.
     pub vectors: Option<usize>,
-    /// How the short waves are represented that the basis leaves out; `None` if it has all waves.
-    pub short_waves: Option<ShortWaves>,
+    /// Whether the basis leaves out short waves, which are those of an infinite plate, without their echoes.
+    pub leaves_short_waves: bool,
     /// The body reduced to another basis, for estimating the error of impacts that differ from the scene's.
     pub judge: Option<JudgeBasis>,
     /// Tolerance of the time steps: the scene's, or half of the theory's error if that is larger.
@@ -83,15 +82,6 @@ pub struct Model {
     pub measures: Option<Measures>,
     /// Whether a second model, on a basis with a low shift for slow vibrations, is possible and cheap.
     pub may_lower_shift: bool,
-}
-
-/// How short waves of a plate are represented that its basis leaves out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ShortWaves {
-    /// As waves of an infinite plate, whose echoes are neglected.
-    WithoutEchoes,
-    /// As modes in closed form, with the echoes.
-    WithEchoes,
 }
 
 /// The body on a second basis, with which the error of the first is estimated. Its modes are computed when they are
@@ -209,10 +199,7 @@ impl Model {
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, size, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_untouched) = (projection.vectors(), !force.0.has_contact());
-        let short_waves = projection.infinite_plate.as_ref().map(|plate| match plate.rectangle {
-            Some(_) => ShortWaves::WithEchoes,
-            None => ShortWaves::WithoutEchoes,
-        });
+        let leaves_short_waves = projection.infinite_plate.is_some();
         let cells = cells.map(|error| {
             let (evaluator, force) = (evaluator.as_ref(), Some(&force.0));
             [with_averaging(evaluator, force, error), local_field_errors(scene, theory, evaluator, force)]
@@ -230,7 +217,7 @@ impl Model {
         let vectors = Some(vectors);
         let bare = Self::bare(comm, (scene, theory), dynamics, unknowns, discretisation);
         let model =
-            Self { vectors, short_waves, judge, known, gauges, measures, is_untouched, may_lower_shift, ..bare };
+            Self { vectors, leaves_short_waves, judge, known, gauges, measures, is_untouched, may_lower_shift, ..bare };
         let model = Self { cell_size: size, ..model };
         let model = model.with_error(Cause::Basis, error);
         Ok(match cells {
@@ -257,7 +244,7 @@ impl Model {
             discretisation,
             cell_size: 1.0,
             vectors: None,
-            short_waves: None,
+            leaves_short_waves: false,
             judge: None,
             known: Vec::new(),
             is_untouched: false,

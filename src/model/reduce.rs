@@ -9,7 +9,6 @@ use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors, KnownForce, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
-use super::beside_echoes;
 use super::elastic_cells::keeps_much;
 use super::error_factors::ErrorFactors;
 use super::judgement::Rule;
@@ -92,7 +91,7 @@ pub struct Reduced {
     pub force: (Trace, Option<Steps>),
     /// The reduced body in modal coordinates, if the last force was computed in them.
     pub modal: Option<ModalBody>,
-    /// The same on the other basis. It is kept for viscoelastic bodies, and for bases beside echoes in closed form.
+    /// The same on the other basis. It is kept for viscoelastic bodies.
     pub modal_of_judge: Option<ModalBody>,
     /// Forces in the time steps that error control tried ([`ModalImpact::with_known`]).
     ///
@@ -150,12 +149,7 @@ pub fn reduce_from(
     watch: &dyn Watch,
 ) -> Result<Reduced> {
     watch.at(Stage::Factor)?;
-    let plan = Plan::new(body, scene);
-    if watch.decided(plan.has_echoes) {
-        let served = served.map(|[_, vectors]| vectors);
-        return beside_echoes::reduce(comm, body, scene, &plan, served, watch);
-    }
-    let Plan { start, vectors: first, .. } = plan;
+    let Plan { start, vectors: first } = Plan::new(body, scene);
     let mut krylov = DirectSum::new(body, start)?;
     let given = match scene.body.reduction {
         Reduction::Vectors(vectors) => Some(vectors),
@@ -327,8 +321,6 @@ pub(super) struct Plan {
     pub start: Start,
     /// Number of vectors of the first basis that is tried.
     pub(super) vectors: usize,
-    /// Whether the basis leaves out short waves whose echoes are computed in closed form.
-    pub(super) has_echoes: bool,
 }
 
 impl Plan {
@@ -342,7 +334,6 @@ impl Plan {
         let short = Self {
             start: Start { rate: rate(scene), end, in_blocks: in_blocks && may_be_long, ..Start::from(shift(scene)) },
             vectors: FIRST_VECTORS,
-            has_echoes: false,
         };
         // The shapes of a strongly relaxing body change, for which modes above ω_c are needed too.
         let is_bound = body.is_on_foundations() || !(body.chains().is_empty() || keeps_much(scene));
@@ -353,11 +344,9 @@ impl Plan {
         };
         let shift = SHIFT_OVER_CUTOFF * frequency;
         let start = Start { end, leaves_short_waves: true, in_blocks, ..Start::from(shift) };
-        let has_echoes = plate.is_some_and(|plate| plate.rectangle.is_some());
         let vectors = vectors_over_one_shift(rates(&body.chains(), start.shift, end).len()) * vectors as f64;
         // The first basis is the smaller one in the comparison with the second, if there are two.
-        let vectors = if has_echoes { vectors } else { vectors / 1.5 }.ceil() as usize;
-        Self { start, vectors, has_echoes }
+        Self { start, vectors: (vectors / 1.5).ceil() as usize }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use petsc_wrap::Comm;
 
-use crate::body::{Assembled, Body, InfinitePlate, LocalBody, ModalBody, Modes, System};
+use crate::body::{Assembled, Body, LocalBody, ModalBody, Modes, System};
 use crate::contact::zener;
 use crate::error::Result;
 use crate::impact::settle;
@@ -21,16 +21,6 @@ use super::watch::{Stage, Watch};
 /// these. On a pane of 8 mm the error of the force was 0.2% with a factor of 1.3, equal to its difference from cells
 /// 0.77 times as large, and 0.4% with 1.45.
 const LONG_WAVE_CELL_FACTOR: f64 = 1.3;
-
-/// Additional factor if the echoes of short waves are computed in closed form. The waves of the basis are longer by
-/// √2.8. With 1.4 and more, a basis that had to grow contained waves that the cells do not carry, and its error did not
-/// fall. With 1.2 and 1.35, the errors of the force on 31 panes are equal within a tenth.
-const CLOSED_FORM_CELL_FACTOR: f64 = 1.3;
-
-/// Closed forms are used for a laminate if its basis would otherwise need at least this many vectors. On four laminates of
-/// 0.3 to 0.6 m with 130 to 260 vectors, runs with closed forms took 0.25 to 0.5 times as long as the others, which took a few
-/// seconds. But the largest tension had errors up to 4.7%, without closed forms 0.7%, because a basis with closed forms lacks short waves.
-const LEAST_VECTORS_OF_LAMINATE: usize = 300;
 
 /// Time in which a solid of splines is assembled and factorised, per unknown, s. Measured with 7,000 to 29,000 unknowns
 /// on one core: 1.7e-4 to 2.7e-4.
@@ -249,16 +239,9 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
         }
         let plate = plate::infinite_plate(scene, theory, &settings)?;
         let most = MAX_VECTORS_PER_CLASS * plate::classes_of_motions(scene, theory)?;
-        let planned = |plate: &InfinitePlate| LongWaves::of(scene, plate, most);
-        let without_echoes = planned(&plate.clone().with_echoes(None));
-        tracing::debug!(vectors = without_echoes.map(|waves| waves.vectors), "long waves");
-        // A short basis of a laminate does without closed forms: its stresses are then more accurate.
-        let is_short = |waves: &LongWaves| waves.vectors < LEAST_VECTORS_OF_LAMINATE;
-        let is_basis_short = theory == PlateTheory::Layerwise && without_echoes.as_ref().is_some_and(is_short);
-        if !is_basis_short && planned(&plate).is_some_and(|waves| plate.has_echoes_above(waves.frequency)) {
-            settings.largest_cell_factor = LONG_WAVE_CELL_FACTOR * CLOSED_FORM_CELL_FACTOR;
-            settings.has_echoes_in_closed_form = true;
-        } else if without_echoes.is_some() {
+        let long_waves = LongWaves::of(scene, &plate, most);
+        tracing::debug!(vectors = long_waves.map(|waves| waves.vectors), "long waves");
+        if long_waves.is_some() {
             settings.largest_cell_factor = LONG_WAVE_CELL_FACTOR;
             settings.separates_short_waves = true;
         }

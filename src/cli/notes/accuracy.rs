@@ -1,7 +1,7 @@
 //! Remarks on estimated errors: of a model before a run, and of a result after it.
 
 use crate::impact::{Cause, ErrorEstimate, Errors, beside, estimated};
-use crate::model::{self, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, Model, OTHER_CONTACTS, ShortWaves};
+use crate::model::{self, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, Model, OTHER_CONTACTS};
 use crate::record::stress::LargestTension;
 use crate::record::useless::USELESS;
 use crate::scene::{Contact, Geometry, Measure, Model as Theory, Reduction, Scene};
@@ -18,11 +18,7 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
     }
     if let Some(vectors) = model.vectors {
         words += &format!(", reduced to {}", counted(vectors, "vector"));
-        words += match model.short_waves {
-            None => "",
-            Some(ShortWaves::WithoutEchoes) => ", short waves as on an infinite plate",
-            Some(ShortWaves::WithEchoes) => ", short waves and their echoes in closed form",
-        };
+        words += if model.leaves_short_waves { ", short waves as on an infinite plate" } else { "" };
     }
     if let Some(errors) = model.error.total() {
         let causes = listed(&model.error.causes(scene.measure));

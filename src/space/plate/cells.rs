@@ -29,9 +29,6 @@ const CELL_OVER_DISC: f64 = 0.75;
 /// cells at the impact point of 0.4 to 0.75 of the disc.
 const CELL_OVER_WAVELENGTH: f64 = 0.14;
 
-/// Smallest width of a cell at an edge, divided by the thickness, that is split to resolve the edge.
-const LEAST_SPLIT: f64 = 1.5;
-
 /// Smallest number of cells along an edge.
 const MIN_CELLS: f64 = 7.0;
 
@@ -81,24 +78,9 @@ pub(super) fn lines(
         // point and an edge that is too short for a cell.
         let last = lines.len() - 1;
         [lines[0], lines[last]] = [low, high];
-        if settings.has_echoes_in_closed_form {
-            resolve_edges(&mut lines, section.thickness, geometry.halved[axis]);
-        }
         Ok(lines)
     };
     Ok([along(0)?, along(1)?])
-}
-
-/// Adds a line at the distance `width` (m) from each edge of the plate, if the cell there is much wider. The lower end
-/// of a halved plate is a plane of symmetry.
-fn resolve_edges(lines: &mut Vec<f64>, width: f64, is_halved: bool) {
-    let last = lines.len() - 1;
-    if lines[last] - lines[last - 1] > LEAST_SPLIT * width {
-        lines.insert(last, lines[last] - width);
-    }
-    if !is_halved && lines[1] - lines[0] > LEAST_SPLIT * width {
-        lines.insert(1, lines[0] + width);
-    }
 }
 
 /// Characteristic duration of a contact with a plate, s: the duration on a half-space, or six times t if that is

@@ -57,9 +57,6 @@ pub struct Settings {
     ///
     /// [`InfinitePlate`]: crate::body::InfinitePlate
     pub separates_short_waves: bool,
-    /// Whether the echoes of short waves are computed in closed form, if the plate admits that. A cell as wide as the
-    /// thickness then lies along each edge: it resolves the boundary layer of Mindlin's theory, as closed forms do.
-    pub has_echoes_in_closed_form: bool,
     /// Shear factor κ of Mindlin's theory. Default: 5/(6 − ν).
     pub shear_factor: Option<f64>,
     /// Radius of Mindlin's disc divided by the thickness, if the disc fits within the plate.
@@ -107,7 +104,6 @@ impl Default for Settings {
             part_cell_factor: 1.0,
             largest_cell_factor: 1.0,
             separates_short_waves: false,
-            has_echoes_in_closed_form: false,
             shear_factor: None,
             disc: 2.0,
             disc_radius: None,
@@ -233,7 +229,7 @@ impl Outline {
     }
 
     /// Evaluator of the plate's displacements and stresses.
-    fn points(self, scene: &Scene, theory: PlateTheory, settings: &Settings) -> Points {
+    fn points(self, theory: PlateTheory) -> Points {
         let Self { geometry, laminate, section, local, in_plane } = self;
         let tensor = theory.tensor(&in_plane, laminate.as_ref().map_or(1, |laminate| laminate.profile.len()));
         let half = 0.5 * geometry.thickness;
@@ -242,9 +238,7 @@ impl Outline {
             lines[geometry.normal] = geometry.across_plate(&laminate.profile.heights);
         }
         geometry.axes.into_iter().zip(in_plane).for_each(|(axis, of_axis)| lines[axis] = of_axis);
-        let rectangle = waves::rectangle(scene, &geometry, &section, laminate.as_ref(), theory);
-        let rectangle = rectangle.filter(|_| settings.has_echoes_in_closed_form);
-        Points { geometry, section, lines, tensor, theory, local, laminate, rectangle }
+        Points { geometry, section, lines, tensor, theory, local, laminate }
     }
 }
 
@@ -263,7 +257,7 @@ impl Plate {
     /// # Errors
     /// Same as [`Plate::new`].
     pub fn points(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Points> {
-        Ok(Outline::new(scene, &Description::new(scene), theory, settings)?.points(scene, theory, settings))
+        Ok(Outline::new(scene, &Description::new(scene), theory, settings)?.points(theory))
     }
 
     /// Builds a scene's plate.
@@ -272,7 +266,7 @@ impl Plate {
     /// A fault of `body.model` if the theory cannot model the scene, or if the plate would need too many cells.
     pub fn new(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<Self> {
         let description = Description::new(scene);
-        let points = Outline::new(scene, &description, theory, settings)?.points(scene, theory, settings);
+        let points = Outline::new(scene, &description, theory, settings)?.points(theory);
         let PlateGeometry { normal, thickness, .. } = points.geometry;
         let compliance = 0.5 * scene.body.composition.compliance_across(normal, thickness);
         let description = description.on_plate(normal, compliance);
@@ -328,8 +322,7 @@ impl Plate {
         };
         // The short waves of a thin plate are known for a force at a point only.
         let is_known = points.laminate.is_none() && (theory.shears() || points.geometry.wide_area().is_none())
-            || settings.separates_short_waves
-            || settings.has_echoes_in_closed_form;
+            || settings.separates_short_waves;
         let rate = waves::rate(scene);
         let infinite_plate = is_known.then(|| waves::of_points(&points, &description.relaxations(), rate));
         let system = System {

@@ -7,7 +7,6 @@
 
 use super::geometry::PlateGeometry;
 use super::{Laminate, Local, PlateTheory};
-use crate::body::RectangularPlate;
 use crate::description::Part as BodyPart;
 use crate::form::plate::{AREA, Section, deflection, rotation};
 use crate::form::stress::place;
@@ -36,8 +35,6 @@ pub struct Points {
     pub(super) theory: PlateTheory,
     pub(super) local: Option<Local>,
     pub(super) laminate: Option<Laminate>,
-    /// The plate with the springs along its edges, if its short waves are computed in closed form.
-    pub(super) rectangle: Option<RectangularPlate>,
 }
 
 /// Material law at a height.

@@ -2,17 +2,14 @@
 
 use std::f64::consts::PI;
 
-use crate::body::{
-    BendingWaves, EdgeSprings, InfinitePlate, LayeredWaves, ModeCount, PlateWaves, RectangularPlate, VECTORS_PER_MODE,
-    Wavenumbers,
-};
+use crate::body::{InfinitePlate, ModeCount, VECTORS_PER_MODE};
 use crate::contact::zener;
 use crate::description::Description;
 use crate::error::Result;
 use crate::form::Material;
 use crate::form::plate::Section;
 use crate::material::Maxwell;
-use crate::scene::{Load, Measure, Scene, SupportKind, faces};
+use crate::scene::Scene;
 
 use super::geometry::PlateGeometry;
 use super::laminate::LayerwiseWaves;
@@ -32,29 +29,21 @@ const NEGLECTED_DENSITY: f64 = 1e-4;
 const RATE_TIMES_CONTACT: f64 = 15.0;
 
 /// First estimate of the infinite plate's response to a force at a point, by thin-plate theory. A laminate is replaced
-/// by a single layer of its mass, and of its rigidity at the wavelength of the contact; only its modes in closed form are
-/// those of its layers.
+/// by a single layer of its mass, and of its rigidity at the wavelength of the contact.
 ///
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
 pub fn infinite_plate(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<InfinitePlate> {
     let fault = |reason: String| super::fault(theory, &reason);
     let geometry = super::geometry(scene, theory).map_err(fault)?;
-    if theory != PlateTheory::Layerwise {
-        let section = Section::new(geometry.thickness, &scene.body.struck());
-        let rectangle = rectangle(scene, &geometry, &section, None, theory);
-        return Ok(of_section(&geometry, &section, &WavesOfTheory::Thin).with_echoes(rectangle));
-    }
-    let description = Description::new(scene);
-    let laminate = Laminate::without_local(scene, &geometry, &description.parts, settings);
-    let laminate = laminate.map_err(fault)?;
-    let section = laminate.section(scene);
-    let rectangle = rectangle(scene, &geometry, &section, Some(&laminate), theory).and_then(|rectangle| {
-        let (relaxations, rate) = (description.relaxations(), rate(scene));
-        let waves = LayerwiseWaves::new(&laminate, &geometry, &relaxations, rate);
-        with_layered_waves(rectangle, &geometry, &section, &waves, &laminate, &relaxations, rate)
-    });
-    Ok(of_section(&geometry, &section, &WavesOfTheory::Thin).with_echoes(rectangle))
+    let section = match theory {
+        PlateTheory::Layerwise => {
+            let parts = Description::new(scene).parts;
+            Laminate::without_local(scene, &geometry, &parts, settings).map_err(fault)?.section(scene)
+        }
+        _ => Section::new(geometry.thickness, &scene.body.struck()),
+    };
+    Ok(of_section(&geometry, &section, &WavesOfTheory::Thin))
 }
 
 /// Number of uncoupled symmetry classes of a scene's plate.
@@ -67,127 +56,18 @@ pub fn classes_of_motions(scene: &Scene, theory: PlateTheory) -> Result<usize> {
 
 /// Response of the infinite plate for a discretised plate. The moduli of viscoelastic layers are those at `rate` (1/s).
 pub(super) fn of_points(points: &Points, relaxations: &[(&Maxwell, Vec<usize>)], rate: f64) -> InfinitePlate {
-    let Points { geometry, section, local, laminate, rectangle, .. } = points;
+    let Points { geometry, section, local, laminate, .. } = points;
     let waves = match (laminate, local) {
         (Some(laminate), _) => WavesOfTheory::Layerwise(LayerwiseWaves::new(laminate, geometry, relaxations, rate)),
         (None, Some(local)) => WavesOfTheory::Mindlin(section, local),
         (None, None) => WavesOfTheory::Thin,
     };
-    let rectangle = rectangle.clone().and_then(|rectangle| match &waves {
-        WavesOfTheory::Layerwise(waves) => {
-            with_layered_waves(rectangle, geometry, section, waves, laminate.as_ref()?, relaxations, rate)
-        }
-        _ => Some(rectangle),
-    });
-    of_section(geometry, section, &waves).with_echoes(rectangle)
-}
-
-/// Smallest tolerance for which short waves are computed in closed form. With smaller ones, the waves that corners
-/// scatter need about as many vectors as all echoes: on a pane on springs, 704 instead of 1037 at 3e-3, on finer cells.
-const LEAST_TOLERANCE: f64 = 4e-3;
-
-/// Least stiffness of the springs along an edge, over the stiffness D (π/L)³ of the plate against its longest wave, for
-/// which short waves are computed in closed form. Corners between free edges scatter more: late in the contact on a free
-/// pane the error was 1.5 times the difference by which it is estimated. There, bases with all echoes meet the tolerance
-/// in the same time.
-const LEAST_EDGE_STIFFNESS: f64 = 3.0;
-
-/// A scene's plate with the springs along its edges, for the waves of a theory with shear. For a laminate, the waves
-/// are those of its plies ([`Laminate::plies`]), which [`with_layered_waves`] replaces by a table.
-///
-/// `None` if its waves are not computed in closed form. This needs edges that are clamped or on stiff springs, supports
-/// along whole edges only, and no dampers or foundation pads. It also needs a large tolerance, which applies to the
-/// acceleration; no strengths; no other points to read than the hit; and no loads or moving supports.
-pub(super) fn rectangle(
-    scene: &Scene,
-    geometry: &PlateGeometry,
-    section: &Section,
-    laminate: Option<&Laminate>,
-    theory: PlateTheory,
-) -> Option<RectangularPlate> {
-    let is_tolerance_large = scene.measure == Measure::Acceleration && scene.tolerance >= LEAST_TOLERANCE;
-    let are_others_read = scene.strength.is_given() || scene.output.has_points();
-    let is_loaded =
-        scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
-    if !theory.shears() || !is_tolerance_large || is_loaded || are_others_read {
-        return None;
-    }
-    let mut edges = [[EdgeSprings::default(); 2]; 2];
-    for support in &scene.supports {
-        if support.within.is_some() || support.damping != [0.0; 3] {
-            return None;
-        }
-        let stiffness = match support.kind {
-            SupportKind::Elastic { stiffness } => stiffness,
-            SupportKind::Clamped { components } => components.map(|held| if held { f64::INFINITY } else { 0.0 }),
-            SupportKind::Pad { .. } => return None,
-        };
-        for (axis, is_upper) in faces(&support.surface) {
-            let across = geometry.axes.iter().position(|of| of == axis)?;
-            // Springs in the plane resist rotations of the whole thickness: ∫ k ζ² dζ = k h³/12. On plies that turn
-            // separately this is an approximation.
-            let [area, inertia] = [section.thickness, section.inertia()];
-            let springs = &mut edges[across][usize::from(*is_upper)];
-            springs.deflection += stiffness[geometry.normal] * area;
-            springs.rotation += stiffness[*axis] * inertia;
-            springs.twist += stiffness[geometry.axes[1 - across]] * inertia;
-        }
-    }
-    let is_soft = |axis: usize| {
-        let rigidity = laminate.map_or_else(|| section.rigidity(), Laminate::rigidity);
-        let least = LEAST_EDGE_STIFFNESS * rigidity * (PI / geometry.edges[axis]).powi(3);
-        edges[axis].iter().any(|edge: &EdgeSprings| edge.deflection < least)
-    };
-    if is_soft(0) || is_soft(1) {
-        return None;
-    }
-    Some(RectangularPlate {
-        lengths: geometry.edges,
-        hit: [0, 1].map(|axis| 0.5 * geometry.edges[axis] + geometry.hit[axis]),
-        is_symmetric: [0, 1].map(|axis| geometry.halved[axis] && geometry.hit[axis] == 0.0),
-        edges,
-        waves: PlateWaves::Mindlin(match laminate {
-            None => bending_waves(section, super::shear_factor(section.poisson)),
-            Some(laminate) => laminate.plies(section),
-        }),
-    })
+    of_section(geometry, section, &waves)
 }
 
 /// The rate at which viscoelastic layers have their moduli in a scene's waves, 1/s.
 pub(super) fn rate(scene: &Scene) -> f64 {
     RATE_TIMES_CONTACT / scene.impactor.contact_time()
-}
-
-/// The rectangle with a table of its laminate's waves; `None` if the table would have too few entries.
-fn with_layered_waves(
-    rectangle: RectangularPlate,
-    geometry: &PlateGeometry,
-    section: &Section,
-    waves: &LayerwiseWaves,
-    laminate: &Laminate,
-    relaxations: &[(&Maxwell, Vec<usize>)],
-    rate: f64,
-) -> Option<RectangularPlate> {
-    let wavenumbers = Wavenumbers { first: first_wavenumber(section), ratio: STEP };
-    let excited = (0..).map(|i| wavenumbers.at(i)).take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
-    let of_layers = excited.map(|wavenumber| waves.matrices(wavenumber, geometry.multiplicity()));
-    let chains: Vec<&Maxwell> = relaxations.iter().map(|(chain, _)| *chain).collect();
-    let layered = LayeredWaves::new(of_layers.collect(), wavenumbers, laminate.plies(section), &chains, rate);
-    if layered.is_none() {
-        tracing::debug!("the slowest waves do not bend the laminate: no modes in closed form");
-    }
-    layered.map(|waves| RectangularPlate { waves: PlateWaves::Layered(waves), ..rectangle })
-}
-
-/// Bending waves of a section with a shear factor κ.
-fn bending_waves(section: &Section, shear_factor: f64) -> BendingWaves {
-    BendingWaves {
-        poisson: section.poisson,
-        mass: section.density * section.thickness,
-        rigidity: section.rigidity(),
-        shear: shear_factor * section.shear(),
-        rotary: section.density * section.inertia(),
-    }
 }
 
 /// Response of the infinite plate for the modelled part of a plate, with all its symmetry classes.
@@ -214,7 +94,6 @@ fn of_section(geometry: &PlateGeometry, section: &Section, waves: &WavesOfTheory
         modes,
         impedance: zener::impedance(&material, section.thickness),
         distance_to_edge: geometry.distance_to_edge(),
-        rectangle: None,
         vectors_per_mode: VECTORS_PER_MODE,
     }
 }
@@ -264,15 +143,20 @@ impl WavesOfTheory<'_> {
 /// For w and θ = ∇ψ of a wave: M = diag(ρh, ρh³ξ²/12) and K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ². The displacement read
 /// is w − s h² ξ² ψ.
 fn mindlin_waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
-    let waves = bending_waves(section, local.shear_factor);
+    let [mass, rotary] = [section.density * section.thickness, section.density * section.inertia()];
+    let shear = local.shear_factor * section.shear();
     let square = wavenumber * wavenumber;
     let spread = local.spread.transform(wavenumber * local.radius);
-    waves.frequencies(wavenumber).map(|frequency| {
+    // Roots of the characteristic equation; the smaller one from the product of both.
+    let half = 0.5 * (shear * square / mass + (section.rigidity() * square + shear) / rotary);
+    let product = shear * section.rigidity() * square * square / (mass * rotary);
+    let upper = half + (half * half - product).sqrt();
+    [product / upper, upper].map(|of_time| {
         // (S − ω² ρh) w + S ψ = 0.
-        let turned = frequency * frequency * waves.mass / (waves.shear * square) - 1.0;
+        let turned = of_time * mass / (shear * square) - 1.0;
         let read = 1.0 - local.reading * section.thickness.powi(2) * square * turned;
-        let of_force = (read * spread).powi(2) / (waves.mass + waves.rotary * square * turned * turned);
-        Wave { frequency, of_force }
+        let of_force = (read * spread).powi(2) / (mass + rotary * square * turned * turned);
+        Wave { frequency: of_time.sqrt(), of_force }
     })
 }
 
@@ -333,37 +217,4 @@ fn dispersion(section: &Section, waves: &WavesOfTheory) -> Vec<(f64, f64)> {
 /// Wavenumber (1/m) of the longest waves that are evaluated.
 fn first_wavenumber(section: &Section) -> f64 {
     0.01 / section.thickness
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Closed forms are used for edges that are clamped or on stiff springs only, and where nothing else needs the short
-    /// waves.
-    #[test]
-    fn closed_forms_are_used_where_they_hold() {
-        let is_known = |text: &str| {
-            let of_body = "[body]\nsize = [1.0, 1.5, 0.008]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n";
-            let rest = "[impactor]\nmass = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 2.0\n[time]\nend = 1e-3\n";
-            let scene = Scene::parse("test", &format!("{of_body}{rest}{text}"), &[]).expect("a scene").0;
-            infinite_plate(&scene, PlateTheory::Mindlin, &Settings::default()).expect("a plate").rectangle.is_some()
-        };
-        let support = |keys: &str| is_known(&format!("[[support]]\nsurface = \"side\"\n{keys}"));
-        assert!(!is_known(""));
-        assert!(!support("kind = \"elastic\"\nstiffness = [0.0, 0.0, 1e7]"));
-        assert!(support("kind = \"clamped\""));
-        assert!(support("kind = \"elastic\"\nstiffness = [0.0, 0.0, 5e8]"));
-        assert!(!support("kind = \"elastic\"\nstiffness = 5e8\ndamping = 1e4"));
-        assert!(!support("kind = \"elastic\"\nstiffness = 5e8\nwithin = { box = [[-0.1, -2, -1], [0.1, 2, 1]] }"));
-        assert!(!support("kind = \"elastic\"\nstiffness = 5e8\ndisplacement = [0.0, 0.0, 1e-3]"));
-        assert!(!support(
-            "kind = \"clamped\"\n[[support]]\nsurface = \"bottom\"\nkind = \"elastic\"\nstiffness = [0, 0, 1e8]"
-        ));
-        assert!(!support("kind = \"clamped\"\n[load]\ngravity = [0.0, 0.0, -9.81]"));
-        assert!(!support("kind = \"clamped\"\n[accuracy]\ntolerance = 1e-3"));
-        assert!(!support("kind = \"clamped\"\n[accuracy]\nquantity = \"stress\""));
-        assert!(!support("kind = \"clamped\"\n[strength]\ntension = 45e6"));
-        assert!(!support("kind = \"clamped\"\n[output]\nprobes = [{ name = \"edge\", point = [0.4, 0.1, 0.0] }]"));
-    }
 }

@@ -36,7 +36,7 @@ impl Watch for Counted {
 }
 
 /// Different tolerances on the ranks stand for different processors: alone, the ranks would use bases of different
-/// sizes. Above a tolerance of 4e-3, the echoes of the plate's short waves are computed in closed form.
+/// sizes.
 fn all_ranks_come_to_the_same_stages(session: &Session) {
     let comm = session.world();
     let scene = parse(&plate("size = [1.5, 1.5, 0.04]", "end = 2e-3", &sides(1e9, 0.0)));

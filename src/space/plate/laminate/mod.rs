@@ -11,7 +11,6 @@ use std::f64::consts::TAU;
 
 use super::geometry::{NAMES, PlateGeometry};
 use super::{Settings, cells};
-use crate::body::BendingWaves;
 use crate::contact::dent;
 use crate::description::{Description, Part, Portion};
 use crate::form::layerwise::{LayerModuli, Profile};
@@ -215,33 +214,6 @@ impl Laminate {
             section = of_rigidity(rigidity);
         }
         section
-    }
-
-    /// The plies as unbonded plates that deflect together, with the bending stiffness of a section. Plies are stiff layers;
-    /// those that touch are one ply. The rotary inertia is chosen so that the thickness-shear frequency is
-    /// the lowest one of the plies.
-    pub(super) fn plies(&self, section: &Section) -> BendingWaves {
-        let layers = self.theory.stack().layers();
-        let stiffest = layers.iter().map(|layer| layer.young).fold(0.0, f64::max);
-        let layers: Vec<(&stack::Layer, &Part)> = layers.iter().zip(&self.parts).collect();
-        let is_stiff = |layer: &stack::Layer| layer.young >= STIFF * stiffest;
-        let (mut shear, mut slowest) = (0.0, f64::INFINITY);
-        for ply in layers.chunk_by(|a, b| is_stiff(a.0) == is_stiff(b.0)).filter(|ply| is_stiff(ply[0].0)) {
-            let sum =
-                |of: &dyn Fn(&stack::Layer, &Part) -> f64| ply.iter().map(|(layer, part)| of(layer, part)).sum::<f64>();
-            let own = sum(&|layer, _| super::shear_factor(layer.poisson) * layer.shear() * layer.thickness);
-            let mass = sum(&|layer, part| part.material.instantaneous.density * layer.thickness);
-            let thickness = sum(&|layer, _| layer.thickness);
-            shear += own;
-            slowest = slowest.min(own * 12.0 / (mass * thickness.powi(2)));
-        }
-        let rotary = shear / slowest;
-        BendingWaves { mass: self.mass, rigidity: section.rigidity(), shear, rotary, poisson: section.poisson }
-    }
-
-    /// Bending stiffness of all layers in long waves, N m.
-    pub(super) fn rigidity(&self) -> f64 {
-        self.section.rigidity
     }
 
     /// Copy of the laminate with the shear strains and the deflections of another.

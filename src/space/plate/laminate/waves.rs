@@ -4,16 +4,19 @@
 //! ω² M(ξ) y. Both matrices are the symbols of the forms that the finite plate is assembled from: a derivative along x
 //! is a factor iξ. Rotations along the other axis, and derivatives along it, are zero.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector, DVectorView, SymmetricEigen};
 
 use super::Laminate;
-use crate::body::LaminateWave;
 use crate::form::layerwise::{ROTATIONS, is_rotation};
 use crate::form::plate::DEFLECTION;
 use crate::form::tensor::{Part, Square};
 use crate::material::Maxwell;
 use crate::space::plate::geometry::PlateGeometry;
 use crate::space::plate::waves::Wave;
+
+/// Eigenvalues below this fraction of the largest one are rounding errors. If the eigenvalues are 1/ω², these waves are left
+/// out; if they are ω², their frequency is 0.
+const ROUNDING: f64 = 1e-14;
 
 /// Waves of a laminate.
 pub struct LayerwiseWaves<'a> {
@@ -51,25 +54,45 @@ impl<'a> LayerwiseWaves<'a> {
         self.laminate.radius
     }
 
-    /// The waves of a wavenumber ξ (1/m), by ascending frequency. Waves that are much faster than the slowest one may be
-    /// missing.
+    /// The waves of a wavenumber ξ (1/m), by ascending frequency. If the stiffness K is positive definite, waves with more than
+    /// 10⁷ times the lowest frequency are left out. Otherwise waves with less than 10⁻⁷ of the highest frequency have the
+    /// frequency 0.
+    ///
+    /// With K = L Lᵀ and y = L⁻ᵀ x, the matrix L⁻¹ M L⁻ᵀ has the eigenvalues 1/ω². Its largest ones belong to the slowest waves,
+    /// which are therefore accurate also beside the shear waves of a layer of some µm, 10⁸ times as fast. If K is numerically
+    /// singular, M is factorised.
+    ///
+    /// # Panics
+    /// If the mass is not positive definite where the stiffness is not.
     pub fn at(&self, wavenumber: f64) -> Vec<Wave> {
-        let modes = self.matrices(wavenumber, 1.0).modes(&self.moduli).into_iter();
-        modes.map(|mode| Wave { frequency: mode.frequency, of_force: mode.squared_displacement }).collect()
-    }
-
-    /// The matrices of a wavenumber ξ (1/m), with one stiffness for each viscoelastic part. `multiplicity` is the number of
-    /// modelled parts in the whole plate.
-    pub fn matrices(&self, wavenumber: f64, multiplicity: f64) -> LaminateWave {
         let symbol = |forms: &[Square<2>]| self.symbol(forms, wavenumber);
-        let read = self.row(self.reading.iter().copied(), wavenumber).map(|value| value.re);
+        let mass = symbol(&self.inertia);
+        let parts = self.moduli.iter().zip(&self.distortions);
+        let stiffness = parts.fold(symbol(&self.relaxed), |sum, (modulus, forms)| sum + symbol(forms) * *modulus);
         let spread = self.laminate.spread.transform(wavenumber * self.laminate.radius);
-        LaminateWave {
-            mass: symbol(&self.inertia),
-            stiffness: symbol(&self.relaxed),
-            distortions: self.distortions.iter().map(|forms| symbol(forms)).collect(),
-            reading: read.transpose() * (multiplicity.sqrt() * spread),
-        }
+        let reading = self.row(self.reading.iter().copied(), wavenumber).map(|value| value.re) * spread;
+        let (is_stiffness_factorised, factor, other) = match stiffness.clone().cholesky() {
+            Some(factor) => (true, factor, mass),
+            None => (false, mass.cholesky().expect("all layers have mass"), stiffness),
+        };
+        let lower = factor.unpack();
+        let reduced = |rows: &DMatrix<f64>| lower.solve_lower_triangular(rows).expect("a factor has no zeros");
+        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(reduced(&reduced(&other).transpose()));
+        let shapes = lower.tr_solve_lower_triangular(&eigenvectors).expect("a factor has no zeros");
+        let least = ROUNDING * eigenvalues.amax();
+        let wave = |(&value, shape): (&f64, DVectorView<f64>)| {
+            let displacement = reading.dot(&shape);
+            match is_stiffness_factorised {
+                true if value <= least => None,
+                // Shapes with yᵀMy = 1.
+                true => Some(Wave { frequency: value.sqrt().recip(), of_force: displacement.powi(2) / value }),
+                false if value <= least => Some(Wave { frequency: 0.0, of_force: displacement.powi(2) }),
+                false => Some(Wave { frequency: value.sqrt(), of_force: displacement.powi(2) }),
+            }
+        };
+        let mut waves: Vec<Wave> = eigenvalues.iter().zip(shapes.column_iter()).filter_map(wave).collect();
+        waves.sort_by(|one, other| one.frequency.total_cmp(&other.frequency));
+        waves
     }
 
     /// Matrix of a quadratic form on the amplitudes of a wave.
