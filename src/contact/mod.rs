@@ -16,6 +16,6 @@ pub use force_law::{ForceLaw, Power};
 pub use hertz::Hertz;
 pub use law::{Damped, Law};
 pub use localization::{Footprint, LARGEST_PHASE, Localization};
+pub(crate) use radius::{Blow, dent, limits, unit_compliance};
 pub use radius::{Patch, Reason};
-pub(crate) use radius::{dent, limits, unit_compliance};
 pub use table::Table;

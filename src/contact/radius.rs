@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use super::{Hertz, hertz, zener};
 use crate::form::{ContactArea, Material};
-use crate::scene::Impactor;
 
 /// Default radius of a patch over the thickness: an error of 0.16% by [`Patch::error`].
 const PATCH_RADIUS_OVER_THICKNESS: f64 = 0.25;
@@ -120,24 +119,29 @@ pub(crate) fn dent(area: &ContactArea, struck: &Material, cosine: f64) -> f64 {
     unit_compliance(struck, cosine) * area.dent_over_hertz() / area.half_width
 }
 
+/// What an impactor brings to the contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Blow {
+    /// Stiffness k0 of Hertz's law, N/m^1.5.
+    pub stiffness: f64,
+    /// Mass of the impactor, kg.
+    pub mass: f64,
+    /// Speed at the first touch, m/s.
+    pub speed: f64,
+}
+
 /// Radii at which the contact stiffness vanishes, 1 = c_l F′(α), m: at the largest indentation on a half-space, and at
 /// the least indentation expected of a first hit. `mass` is the body's, kg.
 ///
 /// The least indentation is the one on Zener's plate of the local thickness, without echoes. The mass is the reduced
 /// mass of impactor and body, since a light body is pushed away.
-pub(crate) fn limits(
-    struck: &Material,
-    impactor: &Impactor,
-    mass: f64,
-    thickness: f64,
-    unit_compliance: f64,
-) -> (f64, f64) {
-    let (stiffness, speed) = (impactor.stiffness, impactor.contact_speed());
+pub(crate) fn limits(struck: &Material, blow: Blow, mass: f64, thickness: f64, unit_compliance: f64) -> (f64, f64) {
+    let Blow { stiffness, mass: of_impactor, speed } = blow;
     let radius = |indentation| unit_compliance * Hertz { stiffness }.tangent(indentation);
-    let reduced = impactor.mass / (1.0 + impactor.mass / mass);
+    let reduced = of_impactor / (1.0 + of_impactor / mass);
     let impedance = zener::impedance(struck, thickness);
     (
-        radius(hertz::peak_indentation(stiffness, impactor.mass, speed)),
+        radius(hertz::peak_indentation(stiffness, of_impactor, speed)),
         radius(zener::peak_indentation(stiffness, reduced, speed, impedance)),
     )
 }

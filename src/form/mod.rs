@@ -11,7 +11,6 @@
 mod area;
 mod disc;
 pub mod elastic;
-pub mod layerwise;
 mod lumping;
 mod pad;
 pub mod plate;

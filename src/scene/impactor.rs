@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Vec3;
-use crate::contact::ForceLaw;
+use crate::contact::{Blow, ForceLaw};
 
 /// The rigid impactor with one degree of freedom, and its contact law.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,6 +127,11 @@ impl Impactor {
     pub fn contact_speed(&self) -> f64 {
         let dent = self.force_law.indentation(2.5 * self.mass * self.gravity.max(0.0));
         self.hit_speed().hypot((2.0 * self.gravity.max(0.0) * dent).sqrt())
+    }
+
+    /// What it brings to the contact.
+    pub(crate) fn blow(&self) -> Blow {
+        Blow { stiffness: self.stiffness, mass: self.mass, speed: self.contact_speed() }
     }
 
     /// Duration of a contact with a fixed half-space without damping, s.

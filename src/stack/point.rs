@@ -1,7 +1,6 @@
 //! Local field at one point for any contact radius.
 
 use super::half_space;
-use crate::scene::Vec3;
 
 /// Stresses in cylindrical coordinates about the line of the force, Pa; tension is positive, z points into the body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -30,7 +29,7 @@ impl Cylindrical {
     /// Returns xx, yy, zz, yz, xz, xy in Cartesian coordinates, from the unit vectors along r and z (into the body).
     ///
     /// σ = σ_θθ 1 + (σ_rr − σ_θθ) r rᵀ + (σ_zz − σ_θθ) z zᵀ + σ_rz (r zᵀ + z rᵀ).
-    pub fn cartesian(&self, radial: Vec3, inward: Vec3) -> [f64; 6] {
+    pub fn cartesian(&self, radial: [f64; 3], inward: [f64; 3]) -> [f64; 6] {
         [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)].map(|(i, j)| {
             let unit = if i == j { self.tt } else { 0.0 };
             let across = radial[i] * inward[j] + inward[i] * radial[j];

@@ -16,6 +16,7 @@ mod layerwise_plates;
 mod local_bodies;
 mod local_field;
 mod local_layers;
+mod map;
 mod plate_symmetry;
 mod plates;
 mod plot;

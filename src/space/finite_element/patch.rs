@@ -44,7 +44,7 @@ impl Localization {
         let multiplicity = mesh.multiplicity as f64;
         let density = scene.body.composition.density().unwrap_or(struck.density);
         let mass = multiplicity * density * mesh.volume();
-        let (limit_radius, least) = limits(&struck, impactor, mass, thickness, unit_compliance);
+        let (limit_radius, least) = limits(&struck, impactor.blow(), mass, thickness, unit_compliance);
         let has_hertz_law = matches!(impactor.force_law, ForceLaw::Hertz(_));
         let chosen = Patch::choose(thickness, site.cell, limit_radius, has_hertz_law);
         let axes = Axes::new(&site);

@@ -1,6 +1,6 @@
 //! Stresses at the crossings of grid lines on a face of a plate, as products of functions along the axes.
 
-use crate::form::layerwise::is_rotation;
+use super::laminate::form::is_rotation;
 use crate::form::{Parity, Spline};
 use crate::space::evaluate::{AtPlace, FaceLines, LinePart, Lines};
 

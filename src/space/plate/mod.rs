@@ -231,7 +231,7 @@ impl Outline {
     /// Evaluator of the plate's displacements and stresses.
     fn points(self, theory: PlateTheory) -> Points {
         let Self { geometry, laminate, section, local, in_plane } = self;
-        let tensor = theory.tensor(&in_plane, laminate.as_ref().map_or(1, |laminate| laminate.profile.len()));
+        let tensor = theory.tensor(&in_plane, laminate.as_ref().map_or(1, |laminate| laminate.profile.functions()));
         let half = 0.5 * geometry.thickness;
         let mut lines: [Vec<f64>; 3] = std::array::from_fn(|_| vec![-half, half]);
         if let Some(laminate) = &laminate {

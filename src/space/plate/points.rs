@@ -1,17 +1,18 @@
 //! Displacement and stress at points of a plate.
 //!
 //! The in-plane displacement at the height ζ along w is ζ θ, with θ = −∇w in Kirchhoff's theory; for several layers see
-//! [`crate::form::layerwise`]. Stresses are the plane stresses of bending. The only stress across the plate is the
+//! [`super::laminate::form`]. Stresses are the plane stresses of bending. The only stress across the plate is the
 //! transverse shear. For one layer it is parabolic, with zeros on both faces; for several layers see
 //! [`crate::stack::Transverse`].
 
 use super::geometry::PlateGeometry;
+use super::laminate::form as layerwise;
 use super::{Laminate, Local, PlateTheory};
 use crate::description::Part as BodyPart;
 use crate::form::plate::{AREA, Section, deflection, rotation};
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
-use crate::form::{Material, Parity, layerwise};
+use crate::form::{Material, Parity};
 use crate::scene::Vec3;
 use crate::space::evaluate::{
     Add, FaceLineEvaluator, FaceLines, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed,
@@ -58,7 +59,7 @@ impl Points {
         match (self.theory, &self.laminate) {
             (_, Some(Laminate { profile, .. })) => {
                 let of = |k: usize| (profile.at(k, height), layerwise::rotation(k, axis, derivatives));
-                (0..profile.len()).map(of).filter(|(factor, _)| *factor != 0.0).collect()
+                (0..profile.functions()).map(of).filter(|(factor, _)| *factor != 0.0).collect()
             }
             (PlateTheory::Mindlin | PlateTheory::Layerwise, None) => vec![(height, rotation(axis, derivatives))],
             (PlateTheory::Kirchhoff, None) => {

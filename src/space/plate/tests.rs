@@ -40,7 +40,7 @@ fn layers_have_the_sums_of_their_parts() {
         for axis in 0..2 {
             let mut turned = vec![0.0; tensor.unknowns()];
             for layer in 0..3 {
-                let field = crate::form::layerwise::rotation(profile.group_of(layer), axis, [0, 0]).field;
+                let field = super::laminate::form::rotation(profile.group_of(layer), axis, [0, 0]).field;
                 turned.iter_mut().zip(tensor.one(field)).for_each(|(u, one)| *u = f64::max(*u, one));
             }
             let k = [2e9, 3e9][axis];

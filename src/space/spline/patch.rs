@@ -91,7 +91,7 @@ impl PatchModel {
         // Radii of the disc at which the contact stiffness vanishes: on a half-space, and the smallest for any body.
         let limits = |disc: f64, compliance: f64| match area {
             Some(_) => (0.0, 0.0),
-            None => limits(&struck, impactor, mass, thickness, disc * compliance),
+            None => limits(&struck, impactor.blow(), mass, thickness, disc * compliance),
         };
         let by_rule = DISC_OVER_THICKNESS[usize::from(!is_plate)] * thickness;
         let mut disc = given_disc.unwrap_or(by_rule).min(room).max(radius);

@@ -21,10 +21,8 @@ pub const TESTS: &[Test<Session>] = tests![
     short_waves_of_laminates_act_as_those_of_a_basis,
     growing_bases_are_judged_in_steps_that_show_their_modes,
 ];
-pub const LONG: &[Test<Session>] = tests![
-    the_estimate_is_the_error_on_more_plates,
-    short_waves_of_relaxing_laminates_act_as_those_of_a_basis,
-];
+pub const LONG: &[Test<Session>] =
+    tests![the_estimate_is_the_error_on_more_plates, short_waves_of_relaxing_laminates_act_as_those_of_a_basis,];
 
 /// The paper's plates with coarse quadratic hexahedra. Both runs use Newmark's method with the same time step, so the
 /// basis is the only difference. Time steps and mesh need not be fine for this.

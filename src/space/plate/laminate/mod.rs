@@ -1,5 +1,6 @@
 //! Layers of a plate with different materials: their model in the layerwise theory, and their local contact model.
 
+pub mod form;
 mod frequency_ratios;
 mod local;
 mod waves;
@@ -9,11 +10,12 @@ pub use waves::LayerwiseWaves;
 
 use std::f64::consts::TAU;
 
+use form::{LayerModuli, Profile};
+
 use super::geometry::{NAMES, PlateGeometry};
 use super::{Settings, cells};
 use crate::contact::dent;
 use crate::description::{Description, Part, Portion};
-use crate::form::layerwise::{LayerModuli, Profile};
 use crate::form::plate::Section;
 use crate::form::tensor::{Part as Derivative, Square};
 use crate::form::{Material, Spread};

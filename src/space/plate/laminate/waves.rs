@@ -7,7 +7,7 @@
 use nalgebra::{Complex, DMatrix, DVector, DVectorView, SymmetricEigen};
 
 use super::Laminate;
-use crate::form::layerwise::{ROTATIONS, is_rotation};
+use super::form::{ROTATIONS, is_rotation};
 use crate::form::plate::DEFLECTION;
 use crate::form::tensor::{Part, Square};
 use crate::material::Maxwell;
@@ -97,7 +97,7 @@ impl<'a> LayerwiseWaves<'a> {
 
     /// Matrix of a quadratic form on the amplitudes of a wave.
     fn symbol(&self, forms: &[Square<2>], wavenumber: f64) -> DMatrix<f64> {
-        let size = 1 + self.laminate.profile.len();
+        let size = 1 + self.laminate.profile.functions();
         let mut symbol = DMatrix::zeros(size, size);
         for form in forms {
             let row = self.row(form.parts.iter().copied(), wavenumber);
@@ -108,7 +108,7 @@ impl<'a> LayerwiseWaves<'a> {
 
     /// Linear form on the amplitudes of a wave.
     fn row(&self, parts: impl Iterator<Item = (f64, Part<2>)>, wavenumber: f64) -> DVector<Complex<f64>> {
-        let mut row = DVector::zeros(1 + self.laminate.profile.len());
+        let mut row = DVector::zeros(1 + self.laminate.profile.functions());
         for (factor, Part { field, derivatives }) in parts {
             let along = Complex::new(0.0, wavenumber).powi(derivatives[0] as i32) * factor;
             if derivatives[1] > 0 {

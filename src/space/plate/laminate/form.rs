@@ -16,9 +16,9 @@
 //!
 //! Integrals across the thickness are exact.
 
-use super::plate::{AREA, DEFLECTION, deflection};
-use super::tensor::{Part, Square};
-use super::{Lame, Material};
+use crate::form::plate::{AREA, DEFLECTION, deflection};
+use crate::form::tensor::{Part, Square};
+use crate::form::{Lame, Material};
 use crate::stack::{ShearStrain, Transverse};
 
 /// Factor of a rotation in a shear strain below which it is rounding error: those factors sum to 1.
@@ -62,11 +62,6 @@ impl LayerModuli {
         let chord = (volume(instantaneous) - volume(relaxed)) / (instantaneous - relaxed);
         Self { volume: chord, shear: 1.0 }
     }
-
-    /// Moduli of an elastic material.
-    pub fn of_material(material: &Material) -> Self {
-        Self::new(material.lame())
-    }
 }
 
 impl Profile {
@@ -95,13 +90,8 @@ impl Profile {
     }
 
     /// Number of functions φ_k; each has a rotation along both axes.
-    pub fn len(&self) -> usize {
+    pub fn functions(&self) -> usize {
         self.shapes.len()
-    }
-
-    /// Whether there are no φ_k.
-    pub fn is_empty(&self) -> bool {
-        self.shapes.is_empty()
     }
 
     /// Whether all φ_k are odd, so that the stack only bends.
@@ -133,6 +123,7 @@ impl Profile {
     }
 
     /// Number k of the rotation θ_k of a layer.
+    #[cfg(test)]
     pub fn group_of(&self, layer: usize) -> usize {
         self.groups.iter().position(|group| group.contains(&layer)).unwrap_or_default()
     }
@@ -211,10 +202,10 @@ impl Profile {
     /// Writes Σ A_kl f_k f_l as a sum of squares, by 2 f_k f_l = (f_k + f_l)² − f_k² − f_l².
     fn products(&self, entry: impl Fn([usize; 2]) -> f64, parts: impl Fn(usize) -> Vec<Part<2>>) -> Vec<Square<2>> {
         let mut forms = Vec::new();
-        for k in 0..self.len() {
-            let beside: f64 = (0..self.len()).filter(|&l| l != k).map(|l| entry([k, l])).sum();
+        for k in 0..self.functions() {
+            let beside: f64 = (0..self.functions()).filter(|&l| l != k).map(|l| entry([k, l])).sum();
             forms.push(square(entry([k, k]) - beside, parts(k)));
-            for l in k + 1..self.len() {
+            for l in k + 1..self.functions() {
                 forms.push(square(entry([k, l]), [parts(k), parts(l)].concat()));
             }
         }
@@ -279,16 +270,16 @@ mod tests {
         {
             let profile = Profile::new(&thicknesses, is_mirrored);
             let layers = thicknesses.len();
-            let moduli = vec![LayerModuli::of_material(&GLASS); layers];
+            let moduli = vec![LayerModuli::new(GLASS.lame()); layers];
             let layer = |thickness: &f64| Layer { thickness: *thickness, young: GLASS.young, poisson: GLASS.poisson };
             let stack = Stack::new(&thicknesses.iter().map(layer).collect::<Vec<_>>()).expect("elastic layers");
             let transverse = Transverse::thin(&stack, |_| false);
-            let tensor = tensor(profile.len());
+            let tensor = tensor(profile.functions());
             let forms =
                 [profile.elastic(&moduli, &transverse), profile.mass(&vec![GLASS.density; layers], &transverse)];
             // All rotations are equal, and the in-plane displacement of the middle plane is zero.
             let mut together = u[..deflections].to_vec();
-            for k in 0..profile.len() {
+            for k in 0..profile.functions() {
                 let factor = if !is_mirrored && k == layers { 0.0 } else { 1.0 };
                 together.extend(u[deflections..].iter().map(|x| factor * x));
             }
