@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::contact::Patch;
 use crate::impact::step::Step;
-use crate::scene::{Geometry, Load, Model, Scene, Support, SupportKind, Vec3, faces};
+use crate::scene::{Geometry, Load, Model, Scene, Support, Vec3, faces};
 
 /// Deflection over the thickness above which the membrane forces are no longer small.
 const LARGE: f64 = 0.5;
@@ -59,7 +59,7 @@ impl Linearity {
         if is_a_formula || is_free && is_loaded || !is_free && !is_held {
             return None;
         }
-        let is_spring = |support: &Support| matches!(support.kind, SupportKind::Elastic { .. });
+        let is_spring = |support: &Support| !support.is_rigid() && !support.may_lift_off();
         let can_fly = scene.supports.iter().all(is_spring) && !is_loaded;
         let (thickness, mobility) = match (&scene.body.geometry, scene.struck_axis(), patch) {
             (Geometry::Box { size, .. }, Some(axis), _) => (size[axis], mobility(scene, *size).filter(|_| can_fly)),
@@ -118,12 +118,8 @@ impl Linearity {
 
 /// Whether a support resists the motion along the impact in both senses.
 fn holds_along(support: &Support, direction: Vec3) -> bool {
-    let held = match support.kind {
-        SupportKind::Clamped { components } => components,
-        SupportKind::Elastic { stiffness } => stiffness.map(|k| k > 0.0),
-        SupportKind::Pad { .. } => return false,
-    };
-    held.iter().zip(direction).any(|(held, along)| *held && along != 0.0)
+    let holds = |axis: usize| support.stiffness_along(axis) > 0.0 && direction[axis] != 0.0;
+    !support.may_lift_off() && (0..3).any(holds)
 }
 
 /// Largest deflection over the thickness for which a geometrically linear model serves.
@@ -134,12 +130,7 @@ pub fn largest_linear(edges: Edges) -> f64 {
 /// Motion of the edges of a scene's plate in its plane.
 pub fn edges(scene: &Scene) -> Edges {
     let Some(struck) = scene.struck_axis() else { return Edges::Unknown };
-    let is_held = |face: (usize, bool)| {
-        scene.supports.iter().any(|support| {
-            let holds = matches!(support.kind, SupportKind::Clamped { components } if components[face.0]);
-            holds && support.within.is_none() && faces(&support.surface).contains(&face)
-        })
-    };
+    let is_held = |face: (usize, bool)| scene.supports.iter().any(|support| support.clamps_face(face, face.0));
     let mut supported = scene.supports.iter().flat_map(|support| faces(&support.surface));
     let first = supported.next();
     if (0..3).any(|axis| axis != struck && is_held((axis, false)) && is_held((axis, true))) {

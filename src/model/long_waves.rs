@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::body::InfinitePlate;
-use crate::scene::{Reduction, Scene, SupportKind};
+use crate::scene::{Reduction, Scene};
 
 use super::BASIS_SHARE;
 
@@ -40,8 +40,7 @@ impl LongWaves {
     ///
     /// On foundation pads, and for schemes in the body's unknowns, outgoing waves cannot be treated separately.
     pub fn of(scene: &Scene, plate: &InfinitePlate, most: usize) -> Option<Self> {
-        let is_bound = scene.supports.iter().any(|support| matches!(support.kind, SupportKind::Pad { .. }));
-        if !scene.time.modal || is_bound || scene.body.reduction != Reduction::Auto {
+        if !scene.time.modal || scene.is_on_pads() || scene.body.reduction != Reduction::Auto {
             return None;
         }
         let of_error = (MEASURED / (BASIS_SHARE * scene.tolerance)).powf(1.0 / ORDER);

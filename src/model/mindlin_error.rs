@@ -21,7 +21,7 @@
 //! The factors were measured; docs/costs.md compares the estimate with true errors. It is an estimate, not a bound.
 
 use crate::impact::joined;
-use crate::scene::{Geometry, Scene, SupportKind};
+use crate::scene::{Geometry, Scene, Support};
 use crate::space::plate::LocalVibrations;
 
 /// The constant if sections are free to warp. On 16 plates, 8 to 50 times as wide as thick, compared with solids of
@@ -102,12 +102,10 @@ fn sections(scene: &Scene, across: f64) -> f64 {
 fn spring_over_section(scene: &Scene) -> f64 {
     let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else { return 0.0 };
     // Several springs may act on one edge: together they constrain it by at most their sum.
-    let springs = scene.supports.iter().filter_map(|support| match support.kind {
-        SupportKind::Elastic { stiffness } => Some(stiffness),
-        _ => None,
-    });
-    let along: f64 = springs
-        .map(|stiffness| (0..3).filter(|axis| *axis != struck).map(|axis| stiffness[axis]).fold(0.0, f64::max))
-        .sum();
+    let springs = scene.supports.iter().filter(|support| !support.is_rigid() && !support.may_lift_off());
+    let in_plane = |support: &Support| {
+        (0..3).filter(|axis| *axis != struck).map(|axis| support.stiffness_along(axis)).fold(0.0, f64::max)
+    };
+    let along: f64 = springs.map(in_plane).sum();
     along * size[struck] / scene.body.struck().young
 }

@@ -13,9 +13,7 @@ use petsc_wrap::Comm;
 use crate::contact::zener;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors, Trace, beside};
-use crate::scene::{
-    Contact, Geometry, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, SupportKind, faces,
-};
+use crate::scene::{Contact, Geometry, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, faces};
 use crate::space::parts::{Part, parts};
 use crate::space::spline;
 
@@ -113,7 +111,7 @@ pub(super) fn select_theory(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Re
 
 /// Whether a support is a clamp with a prescribed displacement.
 fn is_held_away(support: &Support) -> bool {
-    matches!(support.kind, SupportKind::Clamped { .. }) && support.displacement != [0.0; 3]
+    support.is_rigid() && support.displacement != [0.0; 3]
 }
 
 /// A half-space, if its estimated error is small enough.
@@ -178,12 +176,11 @@ pub fn thickness_compression(scene: &Scene, support: &Support) -> f64 {
     if faces(&support.surface).iter().all(|(across, _)| *across != axis) {
         return 0.0;
     }
-    let stiffness = match support.kind {
-        SupportKind::Elastic { stiffness } | SupportKind::Pad { stiffness, .. } => stiffness[axis],
-        SupportKind::Clamped { .. } => return f64::INFINITY,
-    };
+    if support.is_rigid() {
+        return f64::INFINITY;
+    }
     let damping = support.damping[axis] * PI / scene.impactor.contact_time();
-    (stiffness + damping) * scene.body.composition.compliance_across(axis, size[axis])
+    (support.stiffness_along(axis) + damping) * scene.body.composition.compliance_across(axis, size[axis])
 }
 
 /// Whether the error of the compression of the thickness by each support is within the theory's share of the tolerance, or

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use super::check::{one_digit, show};
 use super::decode::decode;
 use super::values::Number;
-use super::{Geometry, Parts, Scene, SceneError, Source, SupportKind, Vec3, raw};
+use super::{Geometry, Parts, Scene, SceneError, Source, Vec3, raw};
 use crate::form::Lame;
 use crate::form::elastic::COMPRESSIBLE;
 use crate::material::{Material, Maxwell};
@@ -172,10 +172,11 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         }
     }
     for (number, support) in scene.supports.iter().enumerate() {
-        let (SupportKind::Elastic { stiffness } | SupportKind::Pad { stiffness, .. }) = support.kind else { continue };
+        let stiffness = (0..3).map(|axis| support.stiffness_along(axis)).fold(0.0, f64::max);
         // Zero is a support without springs.
-        let stiffness = Some(largest(stiffness)).filter(|stiffness| *stiffness > 0.0);
-        let Some(stiffness) = stiffness else { continue };
+        if support.is_rigid() || stiffness == 0.0 {
+            continue;
+        }
         let what = format!("{} N/m3 is softer than a mattress", show(stiffness));
         let help = "a stiffness is in N/m3, for each m2 of the surface: 1 N/mm3 is 1e9".to_owned();
         doubt(&format!("support.{number}.stiffness"), SOFT_SUPPORT / stiffness, what, help);

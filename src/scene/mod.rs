@@ -110,7 +110,7 @@ pub struct Scene {
 impl Scene {
     /// Whether the body has unilateral supports (pads).
     pub fn is_on_pads(&self) -> bool {
-        self.supports.iter().any(|support| matches!(support.kind, SupportKind::Pad { .. }))
+        self.supports.iter().any(Support::may_lift_off)
     }
 
     /// Whether the body is reduced to a basis.

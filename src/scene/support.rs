@@ -1,6 +1,7 @@
 //! Supports of the body, each on a named surface or a part of it.
 
 use super::{Geometry, Vec3, faces};
+use faces::Face;
 
 /// A support on one named surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,11 +19,36 @@ pub struct Support {
 }
 
 impl Support {
+    /// Whether the body may leave it: a pad.
+    pub fn may_lift_off(&self) -> bool {
+        matches!(self.kind, SupportKind::Pad { .. })
+    }
+
+    /// Whether it holds displacements exactly: a clamp.
+    pub fn is_rigid(&self) -> bool {
+        matches!(self.kind, SupportKind::Clamped { .. })
+    }
+
+    /// Stiffness per area along an axis, N/m³: infinite where it is rigid, and 0 along a pad.
+    pub fn stiffness_along(&self, axis: usize) -> f64 {
+        match self.kind {
+            SupportKind::Elastic { stiffness } => stiffness[axis],
+            SupportKind::Pad { stiffness, normal } if normal[axis] != 0.0 => stiffness[axis],
+            SupportKind::Clamped { components } if components[axis] => f64::INFINITY,
+            SupportKind::Pad { .. } | SupportKind::Clamped { .. } => 0.0,
+        }
+    }
+
+    /// Whether it holds a component of the displacement exactly on a whole face of a box.
+    pub fn clamps_face(&self, face: Face, component: usize) -> bool {
+        let is_held = self.is_rigid() && self.stiffness_along(component) > 0.0;
+        is_held && self.within.is_none() && faces::faces(&self.surface).contains(&face)
+    }
+
     /// Whether it clamps displacements in the plane of a plate that is hit across axis `struck`. Then it constrains the
     /// cross-sections at the edges.
     pub fn clamps_sections(&self, struck: usize) -> bool {
-        let SupportKind::Clamped { components } = self.kind else { return false };
-        (0..3).any(|axis| components[axis] && axis != struck)
+        self.is_rigid() && (0..3).any(|axis| axis != struck && self.stiffness_along(axis) > 0.0)
     }
 
     /// Distance of the support (m), along the faces of a box across an axis, from the line through a point along that axis. It is

@@ -1,7 +1,7 @@
 //! Conditions under which a scene can or must use modal coordinates.
 
 use super::super::values::WordOrWhole;
-use super::super::{Geometry, Impactor, Model, Reduction, SceneError, Source, Support, SupportKind, Time, raw};
+use super::super::{Geometry, Impactor, Model, Reduction, SceneError, Source, Support, Time, raw};
 
 /// Largest √(k/(ρ h)) T of pads for which a basis represents the lift-off of the body, as observed. T is the contact
 /// time on a half-space.
@@ -64,17 +64,13 @@ pub(super) fn basis(
 
 /// Reason why a support does not allow modal coordinates; `None` if it does.
 fn against_modes(support: &Support, stiffest: f64) -> Option<String> {
-    match support.kind {
-        SupportKind::Pad { stiffness, normal } if (0..3).any(|i| normal[i] != 0.0 && stiffness[i] > stiffest) => {
-            Some(format!(
-                "a pad stiffer than {stiffest:.1e} N/m3 is a wall for this impact, and no basis knows how a body leaves it"
-            ))
-        }
-        SupportKind::Clamped { .. } if support.displacement != [0.0; 3] => {
-            Some("a body in modes is held at zero, and this one at a displacement".to_owned())
-        }
-        _ => None,
+    if support.may_lift_off() && (0..3).any(|axis| support.stiffness_along(axis) > stiffest) {
+        return Some(format!(
+            "a pad stiffer than {stiffest:.1e} N/m3 is a wall for this impact, and no basis knows how a body leaves it"
+        ));
     }
+    let is_held_away = support.is_rigid() && support.displacement != [0.0; 3];
+    is_held_away.then(|| "a body in modes is held at zero, and this one at a displacement".to_owned())
 }
 
 /// Refuses bodies that require modal coordinates with another scheme, and schemes that a body does not support.
@@ -90,7 +86,7 @@ pub(super) fn only(
     time: &Time,
 ) -> Result<(), SceneError> {
     let name = raw.body.model.as_deref().unwrap_or_default();
-    let pad = supports.iter().position(|support| matches!(support.kind, SupportKind::Pad { .. }));
+    let pad = supports.iter().position(Support::may_lift_off);
     if let (false, Some(WordOrWhole::Whole(_)), Some(pad)) = (time.modal, &raw.body.reduction, pad) {
         let message = "on a basis, a body on pads moves in modal coordinates only".to_owned();
         let help = "`scheme = \"modal\"`, or `reduction = \"none\"`".to_owned();

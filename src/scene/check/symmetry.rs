@@ -77,7 +77,7 @@ fn symmetric_axes(parts: &Parts) -> Vec<usize> {
     let Parts { geometry, impactor, supports, load, .. } = parts;
     let Geometry::Box { size, .. } = geometry else { return Vec::new() };
     let axes = along(struck_axis(*size, impactor.point, impactor.direction));
-    let is_on_pad = supports.iter().any(|support| matches!(support.kind, SupportKind::Pad { .. }));
+    let is_on_pad = supports.iter().any(Support::may_lift_off);
     if is_on_pad || axes.iter().any(|&axis| impactor.direction[axis] != 0.0) {
         return Vec::new();
     }

@@ -1,7 +1,7 @@
 //! Checks the end of the run, the time step and the scheme.
 
 use super::super::values::Number;
-use super::super::{Initial, Load, SceneError, Scheme, Source, Support, SupportKind, Time, raw};
+use super::super::{Initial, Load, SceneError, Scheme, Source, Support, Time, raw};
 use super::numbers::show;
 use super::word;
 
@@ -35,11 +35,7 @@ pub(super) fn equilibrium(source: &Source, time: &Time, load: &Load, supports: &
     if time.initial == Initial::Rest {
         return Ok(());
     }
-    let holds = |support: &Support, axis: usize| match support.kind {
-        SupportKind::Elastic { stiffness } => stiffness[axis] > 0.0,
-        SupportKind::Pad { stiffness, normal } => stiffness[axis] > 0.0 && normal[axis] != 0.0,
-        SupportKind::Clamped { components } => components[axis],
-    };
+    let holds = |support: &Support, axis: usize| support.stiffness_along(axis) > 0.0;
     let is_loaded = |axis: usize| load.acts_along(axis) || load.traction.iter().any(|entry| entry.value[axis] != 0.0);
     let unheld = |axis: &usize| is_loaded(*axis) && !supports.iter().any(|support| holds(support, *axis));
     let Some(axis) = (0..3).find(unheld) else { return Ok(()) };

@@ -1,6 +1,6 @@
 //! Check whether a plate can carry the supports and loads of a scene.
 
-use crate::scene::{Scene, Support, SupportKind, Vec3, faces};
+use crate::scene::{Scene, SupportKind, Vec3, faces};
 
 use super::PlateTheory;
 use super::geometry::{NAMES, PlateGeometry};
@@ -52,16 +52,10 @@ pub(super) fn check(scene: &Scene, geometry: &PlateGeometry, theory: PlateTheory
 /// Checks the clamped slopes of a Kirchhoff plate. The slope along a side follows from the deflection there, so it can
 /// be constrained only together with the deflection.
 fn check_slopes(scene: &Scene, geometry: &PlateGeometry) -> Result<(), String> {
-    let held = |support: &Support, face: &faces::Face, component: usize| match support.kind {
-        SupportKind::Clamped { components } if support.within.is_none() => {
-            components[component] && faces(&support.surface).contains(face)
-        }
-        _ => false,
-    };
     for i in 0..2 {
         let [axis, along] = [geometry.axes[i], geometry.axes[1 - i]];
         for face in [(axis, false), (axis, true)] {
-            let any = |component: usize| scene.supports.iter().any(|support| held(support, &face, component));
+            let any = |component: usize| scene.supports.iter().any(|support| support.clamps_face(face, component));
             if any(along) && !any(geometry.normal) {
                 let [axis, along, across] = [axis, along, geometry.normal].map(|axis| NAMES[axis]);
                 return Err(format!("a side across {axis} is held along {along} and not along {across}"));

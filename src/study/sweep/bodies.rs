@@ -20,7 +20,7 @@ use crate::model::{
 };
 use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
-use crate::scene::{self, Scene, SupportKind};
+use crate::scene::{self, Scene};
 use crate::space::evaluate::ContactSize;
 
 /// Largest number of bodies kept; when it is reached, all are dropped.
@@ -322,7 +322,7 @@ impl Kept {
             each.fold(0.0, f64::max)
         });
         // Only the energies tell which part of the deflection is due to the compliance of the supports.
-        let yields = scene.supports.iter().any(|support| !matches!(support.kind, SupportKind::Clamped { .. }));
+        let yields = scene.supports.iter().any(|support| !support.is_rigid());
         let is_doubtful = yields && deflection_over_thickness > largest_linear(edges(scene));
         if !has_energies && is_doubtful {
             return self.simulate(scene, true, interrupted);
