@@ -18,7 +18,7 @@ def main():
         references[name] = reference, first_contact(reference.time, reference.acceleration)
         facts, own = of_ricochet(out / f"{name}-1e-2.h5")
         error, estimate = own.error(*references[name]), float(facts["first_contact_error"])
-        numbers = [f"{int(facts['unknowns']):,}", facts["reduction"].split()[0], seconds(float(facts["wall_time_total"]))]
+        numbers = [f"{int(facts['unknowns']):,}", facts["reduction"].decode().split()[0], seconds(float(facts["wall_time_total"]))]
         rows.append(["ricochet", hit, *numbers, f"{per_cent(error)} ({per_cent(estimate)})"])
     for vectors, time, history in sorted(peers(out / "peer"), key=lambda run: run[0]):
         rows.append(["peer", HITS["centre"], "", vectors, seconds(time), per_cent(history.error(*references["centre"]))])

@@ -192,7 +192,7 @@ fn heavy(thickness: f64, end: f64, tolerance: f64) -> String {
 /// All warnings and notes that a run prints are in its result, and in what `info` and `report` say of it, even if the
 /// notes were not printed.
 fn warnings_are_kept_with_the_result() {
-    let folder = folder(&heavy(0.005, 2e-3, 1e-2));
+    let folder = folder(&heavy(0.005, 2e-3, 1e-3));
     let said = good(&folder, 0, "run scene.toml -o out.h5").stderr;
     let is_remark = |line: &&str| line.starts_with("warning: ") || line.starts_with("note: ");
     let remarks: Vec<&str> = said.lines().filter(is_remark).collect();

@@ -1,7 +1,7 @@
 //! Displacement and stress at points of a plate.
 //!
 //! The in-plane displacement at the height ζ along w is ζ θ, with θ = −∇w in Kirchhoff's theory; for several layers see
-//! [`super::laminate::form`]. Stresses are the plane stresses of bending. The only stress across the plate is the
+//! `space/plate/laminate/form.rs`. Stresses are the plane stresses of bending. The only stress across the plate is the
 //! transverse shear. For one layer it is parabolic, with zeros on both faces; for several layers see
 //! [`crate::stack::Transverse`].
 

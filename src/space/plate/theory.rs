@@ -13,7 +13,7 @@ pub enum PlateTheory {
     Kirchhoff,
     /// Reissner–Mindlin theory: shear and rotary inertia; loaded on a disc.
     Mindlin,
-    /// Reissner–Mindlin theory in each layer ([`super::laminate::form`]).
+    /// Reissner–Mindlin theory in each layer (`space/plate/laminate/form.rs`).
     Layerwise,
 }
 

@@ -1,7 +1,7 @@
 //! Reduced bodies are compared with the full ones, with the same time steps, to check the estimated error of the basis.
 
 use crate::glass::{plate, sides};
-use crate::modelled::{Ran, parse, run, run_scene};
+use crate::modelled::{parse, run, run_scene};
 use mpi_test::{Test, tests};
 use petsc_wrap::Session;
 use ricochet::body::{Krylov, ModalBody, Projection};

@@ -16,9 +16,9 @@
 //!
 //! Integrals across the thickness are exact.
 
+use crate::form::Lame;
 use crate::form::plate::{AREA, DEFLECTION, deflection};
 use crate::form::tensor::{Part, Square};
-use crate::form::Lame;
 use crate::stack::{ShearStrain, Transverse};
 
 /// Factor of a rotation in a shear strain below which it is rounding error: those factors sum to 1.
@@ -239,9 +239,9 @@ pub const fn rotation(k: usize, axis: usize, derivatives: [usize; 2]) -> Part<2>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::form::{Material, Spline};
     use crate::form::plate::{Section, mindlin_elastic, mindlin_mass};
     use crate::form::tensor::Tensor;
+    use crate::form::{Material, Spline};
     use crate::stack::{Layer, Stack};
 
     const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500.0 };
