@@ -5,8 +5,8 @@
 //! the metadata in the order of their addresses, then the length of the file. A burst that allocates no space in the
 //! file is therefore safe: it changes only the lengths of the datasets, each in one small write operation after the
 //! rows themselves. For this reason a chunk has room for the whole planned series, and the file receives its final name
-//! only with its first row, when the chunks exist, those of `/contacts` among them. One moment is not safe: the flush in
-//! which a series or the contacts outgrow their chunks.
+//! only with its first row, when the chunks exist. Two moments are not safe: the flush in which `/contacts` gets its
+//! first chunk (a kill then loses only the contacts), and the flush in which a series outgrows its chunk.
 
 use crate::error::{Error, Result};
 use crate::impact::step::Step;

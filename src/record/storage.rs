@@ -1,7 +1,7 @@
 //! HDF5 files: how they are created and opened, and how texts and datasets are read from them.
 //!
-//! A result may come from somebody else, and may be damaged. So texts have a fixed length (the library crashes on a damaged heap of texts of
-//! variable length), nothing outside the file is read, and a dataset larger than the file is refused.
+//! A result may come from somebody else, and may be damaged. So texts have a fixed length (the library crashes on a damaged
+//! heap of texts of variable length), nothing outside the file is read, and a dataset larger than the file is refused.
 
 use std::path::Path;
 
