@@ -22,18 +22,13 @@ use crate::body::{Assembled, rates, vectors_over_one_shift};
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors};
-use crate::scene::{Body, Layer, Model, Parts, Scene};
+use crate::scene::{Body, Model, Parts, Scene};
 
 /// The scene with elastic layers in place of the viscoelastic ones, with their secant moduli at half the contact time.
 pub(super) fn elastic(scene: &Scene) -> Scene {
     let composition = scene.body.composition.with_secant_moduli(scene.impactor.moduli_time());
     Scene { body: Body { composition, ..scene.body.clone() }, ..scene.clone() }
 }
-
-/// Least relaxation modulus G(t) at the end, over the secant modulus at half the contact time, for which that one
-/// modulus is used to choose the cells. A chain such as PVB's has 0.6 to 1. Plies that are no longer coupled by the
-/// interlayer have shorter waves.
-const LEFT_AT_END: f64 = 0.5;
 
 /// The cells that bodies of a sweep share are chosen for this part of a run's discretisation error. The rest is for the
 /// error of the common basis, which a run does not have.
@@ -47,21 +42,7 @@ pub(super) fn serves(scene: &Scene, theory: Model) -> bool {
     let Parts::Layers(layers) = &scene.body.composition.parts else { return false };
     let has_elastic_faces =
         [layers.first(), layers.last()].into_iter().flatten().all(|face| face.material.shear.is_none());
-    is_layered
-        && has_elastic_faces
-        && keeps_much(scene)
-        && scene.time.modal
-        && !Description::new(scene).relaxations().is_empty()
-}
-
-/// Whether each layer keeps at least half ([`LEFT_AT_END`]) of its secant modulus until the end of the run.
-pub(super) fn keeps_much(scene: &Scene) -> bool {
-    let Parts::Layers(layers) = &scene.body.composition.parts else { return true };
-    let [contact, end] = [scene.impactor.moduli_time(), scene.time.end];
-    let keeps_much = |layer: &Layer| {
-        layer.material.shear.as_ref().is_none_or(|chain| chain.at(end) >= LEFT_AT_END * chain.secant(contact))
-    };
-    layers.iter().all(keeps_much)
+    is_layered && has_elastic_faces && scene.time.modal && !Description::new(scene).relaxations().is_empty()
 }
 
 /// Cells that are fine enough.

@@ -9,7 +9,6 @@ use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors, KnownForce, Steps, Trace};
 use crate::scene::{Reduction, Scene};
 
-use super::elastic_cells::keeps_much;
 use super::error_factors::ErrorFactors;
 use super::judgement::Rule;
 use super::long_waves::{LongWaves, ORDER};
@@ -335,9 +334,7 @@ impl Plan {
             start: Start { rate: rate(scene), end, in_blocks: in_blocks && may_be_long, ..Start::from(shift(scene)) },
             vectors: FIRST_VECTORS,
         };
-        // The shapes of a strongly relaxing body change, for which modes above ω_c are needed too.
-        let is_bound = body.is_on_foundations() || !(body.chains().is_empty() || keeps_much(scene));
-        let plate = body.infinite_plate().filter(|_| !is_bound);
+        let plate = body.infinite_plate().filter(|_| !body.is_on_foundations());
         let most = MAX_VECTORS_PER_CLASS * body.classes().len();
         let Some(LongWaves { frequency, vectors }) = plate.and_then(|plate| LongWaves::of(scene, plate, most)) else {
             return short;

@@ -12,7 +12,6 @@ use crate::space::evaluate::{Evaluator, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
-use super::elastic_cells::keeps_much;
 use super::long_waves::LongWaves;
 use super::reduce::MAX_VECTORS_PER_CLASS;
 use super::watch::{Stage, Watch};
@@ -249,11 +248,11 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
     Ok(settings)
 }
 
-/// Whether a laminate's basis may leave out short waves: not if its layers relax strongly, or if loads excite waves too.
+/// Whether a laminate's basis may leave out short waves: not if loads excite waves too.
 fn may_leave_short_waves(scene: &Scene) -> bool {
     let is_loaded =
         scene.load != Load::default() || scene.supports.iter().any(|support| support.displacement != [0.0; 3]);
-    keeps_much(scene) && !(is_loaded && scene.time.initial == Initial::Rest)
+    !(is_loaded && scene.time.initial == Initial::Rest)
 }
 
 /// The numbers of cells that [`build`] would give a body on a grid, as [`Operators::cells`]; `None` for other theories

@@ -165,8 +165,9 @@ pub fn watched_places(scene: &Scene, halved: &[usize], clearance: f64) -> Vec<[f
 pub struct Edges {
     /// Coordinates of the edges, m.
     at: [f64; 2],
-    /// Ends of the part, or of its mirror images, m.
-    ends: [f64; 2],
+    /// Intervals with small cells, m: the whole part, or both ends of a strip along the axis, between which the stresses vary
+    /// along the strip as little as beside it.
+    near: [[f64; 2]; 2],
     /// Number of times that a grid has a line at an edge. The third derivative of the displacement jumps across a straight
     /// edge; twice the same line gives splines with one continuous derivative less.
     times: usize,
@@ -178,19 +179,24 @@ pub struct Edges {
 /// modelled. A part that covers the whole axis has no edges there.
 pub fn edges(parts: &[Part], axis: usize, is_halved: bool, [low, high]: [f64; 2]) -> Vec<Edges> {
     let of_part = |part: &Part| {
-        let (ends, times) = match part.extent {
+        let (ends, times, is_along) = match part.extent {
             Extent::All => return None,
-            Extent::Box([low, high]) => ([low[axis], high[axis]], 2),
-            Extent::Ball { centre, radius } => ([centre[axis] - radius, centre[axis] + radius], 1),
+            Extent::Box([low, high]) => {
+                let [own, other] = [axis, 3 - axis - part.across].map(|axis| high[axis] - low[axis]);
+                ([low[axis], high[axis]], 2, own > other)
+            }
+            Extent::Ball { centre, radius } => ([centre[axis] - radius, centre[axis] + radius], 1, false),
         };
-        let (mut at, mut all) = (ends, ends);
+        let mut at = ends;
         if is_halved {
             at = ends.map(f64::abs);
             at.sort_by(f64::total_cmp);
-            all = [if ends[0] < 0.0 && ends[1] > 0.0 { 0.0 } else { at[0] }, at[1]];
         }
+        let is_over_plane = is_halved && ends[0] < 0.0 && ends[1] > 0.0;
+        let whole = [if is_over_plane { 0.0 } else { at[0] }, at[1]];
+        let near = if is_along { at.map(|at| [at; 2]) } else { [whole; 2] };
         let is_inside = |at: &f64| low < *at && *at < high;
-        at.iter().any(is_inside).then_some(Edges { at, ends: all, times, cell: CELL_OVER_LENGTH * part.length })
+        at.iter().any(is_inside).then_some(Edges { at, near, times, cell: CELL_OVER_LENGTH * part.length })
     };
     parts.iter().filter(|part| part.across != axis).filter_map(of_part).collect()
 }
@@ -203,7 +209,8 @@ pub type Line = (f64, usize);
 pub fn lines(ends: [f64; 2], hit: Line, edges: &[Edges], factor: f64, size: impl Fn(f64) -> f64) -> Vec<f64> {
     let size = &|x: f64| {
         let at_part = |edges: &Edges| {
-            let distance = (edges.ends[0] - x).max(x - edges.ends[1]).max(0.0);
+            let from = |[low, high]: [f64; 2]| (low - x).max(x - high).max(0.0);
+            let distance = from(edges.near[0]).min(from(edges.near[1]));
             factor * edges.cell.max(CELL_GROWTH * distance)
         };
         edges.iter().map(at_part).fold(size(x), f64::min)
@@ -264,7 +271,7 @@ mod tests {
     /// A line at the hit is repeated if an edge is there, too.
     #[test]
     fn an_edge_at_the_hit_is_repeated() {
-        let edges = [Edges { at: [0.2, 0.5], ends: [0.2, 0.5], times: 2, cell: 0.1 }];
+        let edges = [Edges { at: [0.2, 0.5], near: [[0.2; 2], [0.5; 2]], times: 2, cell: 0.1 }];
         let lines = lines([0.0, 1.0], (0.2, 1), &edges, 1.0, |_| 0.2);
         assert_eq!(lines.iter().filter(|line| **line == 0.2).count(), 2, "{lines:?}");
     }

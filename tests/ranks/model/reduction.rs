@@ -19,6 +19,7 @@ pub const TESTS: &[Test<Session>] = tests![
     a_loaded_body_is_stable_in_long_steps,
     short_waves_act_as_those_of_a_basis,
     short_waves_of_laminates_act_as_those_of_a_basis,
+    short_waves_of_strongly_relaxing_laminates_act_as_those_of_a_basis,
     growing_bases_are_judged_in_steps_that_show_their_modes,
 ];
 pub const LONG: &[Test<Session>] =
@@ -167,6 +168,14 @@ fn short_waves_of_relaxing_laminates_act_as_those_of_a_basis(session: &Session) 
     let interlayer =
         "bulk = 2e9\nshear = 5e6\nprony = [{ modulus = 7e6, time = 1e-5 }, { modulus = 4e6, time = 1e-4 }]";
     check_short_waves_of_laminates(session, "[0.5, 0.4]", interlayer, ("mass = 0.2\nradius = 0.02", 450));
+}
+
+/// The same with an interlayer that keeps a third of its modulus, so that the plies come apart. Its basis has vectors at several
+/// shifts, with the modulus at each.
+fn short_waves_of_strongly_relaxing_laminates_act_as_those_of_a_basis(session: &Session) {
+    let interlayer =
+        "bulk = 2e9\nshear = 8e5\nprony = [{ modulus = 80e6, time = 5e-5 }, { modulus = 30e6, time = 1e-3 }]";
+    check_short_waves_of_laminates(session, "[0.4, 0.4]", interlayer, ("mass = 0.5\nradius = 0.04", 300));
 }
 
 /// Compares the automatic basis, without short waves, with a basis of `vectors` vectors that contains them.

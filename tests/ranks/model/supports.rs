@@ -202,6 +202,13 @@ fn grids_have_lines_at_the_edges_of_parts(_: &Session) {
     let [_, y, _] = lines(&laminate_on_foot(), PlateTheory::Layerwise);
     assert!(shear_length < length && times(&y, -0.5) == 2, "{y:?}");
     assert!(widest(&y, [-0.6, -0.5]) <= shear_length / 3.0 * (1.0 + 1e-3), "{y:?}");
+    // Two sides of a rim end in the corners: their cells along the sides are small at these ends alone.
+    let rim = format!(
+        "[body]\nmodel = \"mindlin\"\nsize = [1.2, 0.9, 0.01]\n{GLASS}\
+         [[support]]\nsurface = \"bottom\"\nwithin = {{ rim = 0.03 }}\nkind = \"elastic\"\nstiffness = [0, 0, 1e9]\n{TOUCH}"
+    );
+    let [x, y, _] = lines(&rim, PlateTheory::Mindlin);
+    assert!([x, y].iter().all(|lines| times(lines, lines[lines.len() - 1] - 0.03) == 2 && lines.len() < 40));
 }
 
 /// A plate on stiff springs under its whole face, pressed evenly, sinks by p/k + p h/2E at its middle plane, exactly: in a
