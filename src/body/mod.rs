@@ -72,4 +72,4 @@ pub use shift::{rates, vectors_over_one_shift};
 pub use spectrum::{Inertia, LargestFrequency, LinearContact, largest_frequency};
 pub use start::Start;
 pub use system::System;
-pub use unilateral::{FoundationPoints, Unilateral};
+pub use unilateral::{FoundationPoints, PadShapes, Unilateral};

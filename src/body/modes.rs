@@ -10,7 +10,7 @@ use super::relaxing_directions::amplitudes;
 use super::row_blocks::RowBlocks;
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
-use super::{BlockMatrix, FoundationPoints, Projection};
+use super::{BlockMatrix, FoundationPoints, PadShapes, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
 
@@ -49,8 +49,26 @@ pub struct Modes {
 pub(crate) struct ModalFoundation {
     /// Foundation points. Their offsets s ū are reduced by the equilibrium displacement of the modes that are left out.
     pub points: FoundationPoints,
+    /// The shapes in which each pad moves.
+    pub shapes: Vec<PadShapes>,
     /// Inputs b of forces on x, with dampers or relaxation. `None` without them; the inputs are then 1.
     pub inputs: Option<BlockMatrix>,
+}
+
+impl ModalFoundation {
+    /// Returns the penetrations g at given coordinates x, m.
+    pub fn penetrations(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut penetrations = -&self.points.offsets;
+        self.shapes.iter().for_each(|pad| pad.add_displacements(x, &mut penetrations));
+        penetrations
+    }
+
+    /// Returns the generalised forces along x of forces on the points, N.
+    pub fn forces(&self, at_points: &DVector<f64>) -> DVector<f64> {
+        let mut along = DVector::zeros(self.points.rows.ncols());
+        self.shapes.iter().for_each(|pad| pad.add_forces(at_points, &mut along));
+        along
+    }
 }
 
 /// One first-order coordinate of [`Modes`].
@@ -396,7 +414,7 @@ impl Spectrum {
             if points.is_settled {
                 points.offsets.gemv(-1.0, &all.rows, &at_rest, 1.0);
             }
-            ModalFoundation { points, inputs }
+            ModalFoundation { shapes: points.pad_shapes(), points, inputs }
         });
         if let Some(ModeAcceleration { shapes: accelerated, at_rest }) = &self.acceleration {
             shapes.moving = accelerated.select_columns(&moving);

@@ -41,6 +41,8 @@ pub struct PadPoints {
     pub weights: Vec<f64>,
     /// Offset s ū of each point, m.
     pub offsets: Vec<f64>,
+    /// Surface region of each point, counted over all pads.
+    pub places: Vec<usize>,
     /// Number of unknowns of each point.
     pub counts: Vec<usize>,
     /// Global numbers of the unknowns, point by point.
@@ -202,6 +204,7 @@ impl Pads {
         for (pad, place) in placed(&self.elements) {
             let of_element = &self.free[place];
             for point in pad.element.points() {
+                points.places.push(pad.place);
                 points.weights.push(point.weight);
                 points.offsets.push(point.offset);
                 points.counts.push(point.unknowns.len());
@@ -213,6 +216,7 @@ impl Pads {
         PadPoints {
             weights: self.comm.all_gather(&points.weights),
             offsets: self.comm.all_gather(&points.offsets),
+            places: self.comm.all_gather(&points.places),
             counts: self.comm.all_gather(&points.counts),
             unknowns: self.comm.all_gather(&points.unknowns),
             values: self.comm.all_gather(&points.values),

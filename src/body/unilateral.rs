@@ -20,6 +20,8 @@ pub struct Unilateral {
     pads: RefCell<Pads>,
     stiffness: DVector<f64>,
     offsets: DVector<f64>,
+    /// Surface region of each point.
+    places: Vec<usize>,
     /// λ in the equilibrium at the start of the motion, N.
     resting: Option<DVector<f64>>,
     /// ∫ k s·v dS of each foundation region, N: start vectors of bases in addition to the contact force vector.
@@ -33,6 +35,8 @@ pub struct FoundationPoints {
     pub stiffness: DVector<f64>,
     /// Offset s ū of each point, m.
     pub offsets: DVector<f64>,
+    /// Surface region of each point.
+    pub places: Vec<usize>,
     /// Displacement s·u as a linear form on the coordinates, one row for each point.
     pub rows: DMatrix<f64>,
     /// λ in the equilibrium at the start of the motion, N; zero if the motion starts undeformed.
@@ -58,6 +62,7 @@ impl Body {
         springs.assemble()?;
         self.support = Some(springs);
         let points = pads.points();
+        let places = points.places;
         let [stiffness, offsets] = [points.weights, points.offsets].map(DVector::from_vec);
         let resting = match &self.equilibrium {
             Some(rest) => {
@@ -67,7 +72,7 @@ impl Body {
             None => None,
         };
         let loads = pads.loads(&self.load)?;
-        self.unilateral = Some(Unilateral { pads: RefCell::new(pads), stiffness, offsets, resting, loads });
+        self.unilateral = Some(Unilateral { pads: RefCell::new(pads), stiffness, offsets, places, resting, loads });
         Ok(())
     }
 }
@@ -91,6 +96,7 @@ impl Unilateral {
         FoundationPoints {
             stiffness: self.stiffness.clone(),
             offsets: self.offsets.clone(),
+            places: self.places.clone(),
             rows,
             resting: self.resting.clone().unwrap_or_else(|| DVector::zeros(self.stiffness.len())),
             is_settled: self.resting.is_some(),
@@ -127,17 +133,18 @@ impl FoundationPoints {
     }
 
     fn without_rows(&self) -> Self {
-        let Self { stiffness, offsets, resting, is_settled, .. } = self;
+        let Self { stiffness, offsets, places, resting, is_settled, .. } = self;
         let rows = DMatrix::zeros(0, 0);
         let (stiffness, offsets, resting) = (stiffness.clone(), offsets.clone(), resting.clone());
-        Self { stiffness, offsets, rows, resting, is_settled: *is_settled }
+        Self { stiffness, offsets, places: places.clone(), rows, resting, is_settled: *is_settled }
     }
 
-    /// Returns the penetrations g at given coordinates, m.
-    pub fn penetration(&self, coordinates: &DVector<f64>) -> DVector<f64> {
-        let mut penetration = -&self.offsets;
-        penetration.gemv(1.0, &self.rows, coordinates, 1.0);
-        penetration
+    /// Returns the shapes in which each pad moves.
+    pub fn pad_shapes(&self) -> Vec<PadShapes> {
+        let mut places = self.places.clone();
+        places.sort_unstable();
+        places.dedup();
+        places.into_iter().map(|place| PadShapes::new(self, place)).collect()
     }
 
     /// Returns λ at given penetrations minus λ in equilibrium, N.
@@ -150,6 +157,47 @@ impl FoundationPoints {
     pub fn energy(&self, pull: &DVector<f64>) -> f64 {
         let terms = pull.iter().zip(&self.resting).zip(&self.stiffness);
         terms.map(|((pull, resting), k)| 0.5 * (pull + resting).powi(2) / k).sum()
+    }
+}
+
+/// Displacements s·u of the points of one pad as combinations of few shapes: a pad is small compared with the waves of most
+/// modes, so that it moves in far fewer ways than there are points or modes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PadShapes {
+    /// Numbers of the points.
+    points: Vec<usize>,
+    /// Orthonormal shapes, one column each, with a row for each point.
+    shapes: DMatrix<f64>,
+    /// Amplitude of each shape as a linear form on the coordinates.
+    amplitudes: DMatrix<f64>,
+}
+
+/// Displacement in the shapes that are left out, relative to the largest displacement of a pad.
+const LEFT_OUT: f64 = 1e-12;
+
+impl PadShapes {
+    /// Factorises the rows of the points in one place, by a QR decomposition with column pivoting.
+    fn new(all: &FoundationPoints, place: usize) -> Self {
+        let points: Vec<usize> = (0..all.places.len()).filter(|point| all.places[*point] == place).collect();
+        let decomposition = all.rows.select_rows(&points).col_piv_qr();
+        let (shapes, mut amplitudes) = (decomposition.q(), decomposition.r());
+        let diagonal = amplitudes.diagonal().abs();
+        let count = diagonal.iter().take_while(|size| **size > LEFT_OUT * diagonal[0]).count();
+        decomposition.p().inv_permute_columns(&mut amplitudes);
+        let amplitudes = amplitudes.rows(0, count).into_owned();
+        Self { points, shapes: shapes.columns(0, count).into_owned(), amplitudes }
+    }
+
+    /// Adds the displacements of the pad's points, m, at given coordinates.
+    pub fn add_displacements(&self, coordinates: &DVector<f64>, displacements: &mut DVector<f64>) {
+        let moved = &self.shapes * (&self.amplitudes * coordinates);
+        self.points.iter().zip(&moved).for_each(|(point, moved)| displacements[*point] += moved);
+    }
+
+    /// Adds the generalised forces along the coordinates of forces on the points, N.
+    pub fn add_forces(&self, at_points: &DVector<f64>, along: &mut DVector<f64>) {
+        let at_points = at_points.select_rows(&self.points);
+        along.gemv_tr(1.0, &self.amplitudes, &self.shapes.tr_mul(&at_points), 1.0);
     }
 }
 

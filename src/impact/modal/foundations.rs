@@ -62,8 +62,7 @@ pub struct FoundationForces {
 
 impl ForceState {
     fn new(foundation: &ModalFoundation, at_points: DVector<f64>) -> Self {
-        let rows = &foundation.points.rows;
-        let along = if at_points.amax() == 0.0 { DVector::zeros(rows.ncols()) } else { -rows.tr_mul(&at_points) };
+        let along = -foundation.forces(&at_points);
         Self { at_points, along }
     }
 
@@ -83,8 +82,8 @@ impl<'a> FoundationState<'a> {
     /// Sets up the foundations at a state; `None` if there are none.
     pub fn new(modes: &'a Modes, state: &State) -> Option<Self> {
         let foundation = modes.foundation.as_ref()?;
-        let points = &foundation.points;
-        let now = ForceState::new(foundation, points.pull(&points.penetration(&modes.places(&state.modes))));
+        let penetrations = foundation.penetrations(&modes.places(&state.modes));
+        let now = ForceState::new(foundation, foundation.points.pull(&penetrations));
         Some(Self { modes, foundation, now, last: None })
     }
 
@@ -118,7 +117,7 @@ impl<'a> FoundationState<'a> {
             let penetrations = [0, 1].map(|node| {
                 let mut z = table.driven(NODES[node], &all);
                 z.iter_mut().zip(&alone[node]).for_each(|(z, alone)| *z += alone);
-                points.penetration(&self.modes.places(&z))
+                self.foundation.penetrations(&self.modes.places(&z))
             });
             let next = penetrations.each_ref().map(|g| points.pull(g));
             let change: f64 = next.iter().zip(&pulls).map(|(next, pull)| (next - &pull.at_points).lp_norm(1)).sum();
@@ -211,7 +210,7 @@ impl<'a> FoundationState<'a> {
         let slope = |tau: f64| (&b * 4.0 - &a * 3.0 - &c) + (&a * 2.0 - &b * 4.0 + &c * 2.0) * (2.0 * tau);
         let inside: f64 = (0..5).map(|k| weights[k] / 90.0 * slope(0.25 * k as f64).dot(&places[k])).sum();
         let work = c.dot(&places[4]) - a.dot(&places[0]) - inside;
-        let resting = points.rows.tr_mul(&points.resting).dot(&(&places[4] - &places[0]));
+        let resting = self.foundation.forces(&points.resting).dot(&(&places[4] - &places[0]));
         points.energy(&pulls[0].at_points) - points.energy(&pulls[2].at_points) - resting - work
     }
 }
