@@ -4,7 +4,9 @@
 use std::collections::BTreeMap;
 
 use crate::impact::{Plan, beside, estimated};
-use crate::model::{Edges, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, edges, largest_linear};
+use crate::model::{
+    Edges, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, edges, largest_linear, may_lack_rotations,
+};
 use crate::record::sweep::{Quantity, Status, SweepWriter};
 use crate::record::useless::USELESS;
 use crate::scene::{Measure, Scene, Source};
@@ -34,7 +36,7 @@ pub struct MemberFacts {
     /// End of the run, s.
     end: f64,
     edges: Edges,
-    /// Same as [`Scene::basis_may_lack_rotations`].
+    /// Same as [`may_lack_rotations`].
     may_lack_rotations: bool,
     /// Whether the scene gives a strength.
     pub has_strength: bool,
@@ -47,7 +49,7 @@ impl MemberFacts {
             tolerance: scene.tolerance,
             measure: scene.measure,
             remedy_of_tension: remedy_of_tension(scene),
-            may_lack_rotations: scene.basis_may_lack_rotations(),
+            may_lack_rotations: may_lack_rotations(scene),
             end: scene.time.end,
             edges: edges(scene),
             has_strength: scene.strength.is_given(),

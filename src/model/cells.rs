@@ -4,12 +4,12 @@
 //! known only by a rule of thumb. The force is therefore also computed on coarser cells, or on finer ones if there are
 //! few, with a basis of the same size.
 
-use petsc_wrap::Comm;
 use serde::{Deserialize, Serialize};
 
 use super::cell_error::{Judge, are_few, finer_size, is_unreliable};
 use super::elastic_cells;
 use super::local_field_error::{local_field_errors, of_hit};
+use super::making::Making;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::trials::{Trial, Trials};
@@ -108,11 +108,11 @@ impl Fitted {
 ///
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce) and [`build`].
-pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
+pub fn fit(making: &Making, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
     if elastic_cells::serves(scene, theory) {
-        return elastic_cells::fit(comm, scene, theory, built, None, watch);
+        return elastic_cells::fit(making, scene, theory, built, None);
     }
-    refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch)
+    refine(making, scene, theory, unrefined(making, scene, built)?, Errors::default())
 }
 
 /// The cells on which `fit` reduces a body. For viscoelastic layers they are found without reducing the viscoelastic
@@ -120,14 +120,14 @@ pub fn fit(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &
 ///
 /// # Errors
 /// Same as `fit`.
-pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, watch: &dyn Watch) -> Result<CellSize> {
+pub fn cell_size(making: &Making, scene: &Scene, theory: Model, built: Operators) -> Result<CellSize> {
     if elastic_cells::serves(scene, theory)
-        && let Some(found) = elastic_cells::cell_size(comm, scene, theory, &built, watch)?
+        && let Some(found) = elastic_cells::cell_size(making, scene, theory, &built)?
     {
         return Ok(found);
     }
     let Fitted { size, error, evaluator, reduced, .. } =
-        refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, of_other_bases(scene), watch)?;
+        refine(making, scene, theory, unrefined(making, scene, built)?, of_other_bases(scene))?;
     let force = Some(&reduced.force.0);
     let error = error.map_or_else(Errors::default, |error| with_averaging(evaluator.as_ref(), force, error));
     let local_field = local_field_errors(scene, theory, evaluator.as_ref(), force);
@@ -138,8 +138,8 @@ pub fn cell_size(comm: &Comm, scene: &Scene, theory: Model, built: Operators, wa
 ///
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce).
-pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators, watch: &dyn Watch) -> Result<Fitted> {
-    fitted(comm, scene, built, (1.0, None), watch)
+pub fn unrefined(making: &Making, scene: &Scene, built: Operators) -> Result<Fitted> {
+    fitted(making, scene, built, (1.0, None))
 }
 
 /// Refines the cells of a spline body in modal coordinates until its discretisation error is small enough. `of_theory`
@@ -147,16 +147,10 @@ pub fn unrefined(comm: &Comm, scene: &Scene, built: Operators, watch: &dyn Watch
 ///
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce) and [`build`].
-pub fn refine(
-    comm: &Comm,
-    scene: &Scene,
-    theory: Model,
-    mut fine: Fitted,
-    of_theory: Errors,
-    watch: &dyn Watch,
-) -> Result<Fitted> {
+pub fn refine(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, of_theory: Errors) -> Result<Fitted> {
     let Some(mut cells) = fine.cells.filter(|_| scene.time.modal) else { return Ok(fine) };
-    let mut judge = match judge_of(comm, scene, theory, &fine, watch) {
+    let watch = making.watch;
+    let mut judge = match judge_of(making, scene, theory, &fine) {
         Ok(judge) => judge,
         // On other cells the body may be too soft or too stiff for the contact law. The present cells are then compared
         // with finer ones.
@@ -176,7 +170,7 @@ pub fn refine(
             finer = rung_below(over.recip().powf(1.0 / LARGEST_ORDER)).clamp(RUNG * RUNG, RUNG);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
             if over <= 1.0
-                || scene.keeps_cells
+                || making.keeps_cells
                 || finer * fine.size < SMALLEST_CELL_FACTOR
                 || cost > LARGEST_REFINED_COST
             {
@@ -189,7 +183,7 @@ pub fn refine(
             size *= FINER_CELL_FACTORS[1];
         }
         let built = loop {
-            let built = match build(comm, scene, theory, size, watch) {
+            let built = match build(making, scene, theory, size) {
                 Ok(Built::Operators(built)) => built,
                 // The spline body would have too many unknowns. The remaining error is reported with the results.
                 Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
@@ -205,10 +199,10 @@ pub fn refine(
         let coarser = Judge { force, vectors, cells, cell_over_disc: fine.cell_over_disc };
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
-        fine = fitted(comm, scene, built, (size, Some(vectors)), watch)?;
+        fine = fitted(making, scene, built, (size, Some(vectors)))?;
         let is_few = is_unreliable(scene, theory, coarser.cells, cells) || has_parts(scene);
         judge = match finer_size_if(is_few, scene, theory, &fine, watch) {
-            Some(size) => match on_cells_of(comm, scene, theory, &fine, size, watch) {
+            Some(size) => match on_cells_of(making, scene, theory, &fine, size) {
                 Ok(judge) => judge.or(Some(coarser)),
                 Err(Error::Solve(_)) => Some(coarser),
                 Err(error) => return Err(error),
@@ -244,19 +238,18 @@ pub(super) fn with_averaging(evaluator: Option<&Evaluator>, force: Option<&Trace
 /// Reduces a body to a basis. `size` is the size of its cells; `vectors` are numbers of vectors that were enough on
 /// other cells.
 pub(super) fn fitted(
-    comm: &Comm,
+    making: &Making,
     scene: &Scene,
     built: Operators,
     (size, vectors): (f64, Option<[usize; 2]>),
-    watch: &dyn Watch,
 ) -> Result<Fitted> {
     let Operators { body, discretisation, evaluator, cells, cell_over_disc, measures } = built;
     let linear = body.linear();
-    let (reduced, unknowns) = (reduce_from(comm, linear, scene, vectors, watch)?, linear.unknowns());
+    let (reduced, unknowns) = (reduce_from(making, linear, scene, vectors)?, linear.unknowns());
     let fitted =
         Fitted { reduced, unknowns, cells, cell_over_disc, discretisation, size, error: None, evaluator, measures };
     drop(body);
-    comm.collect_garbage()?;
+    making.comm.collect_garbage()?;
     Ok(fitted)
 }
 
@@ -268,21 +261,15 @@ pub(super) fn has_parts(scene: &Scene) -> bool {
 
 /// The force on coarser cells, or on finer ones if a comparison with coarser cells would be unreliable; `None` if there
 /// are no other cells.
-pub(super) fn judge_of(
-    comm: &Comm,
-    scene: &Scene,
-    theory: Model,
-    fitted: &Fitted,
-    watch: &dyn Watch,
-) -> Result<Option<Judge>> {
+pub(super) fn judge_of(making: &Making, scene: &Scene, theory: Model, fitted: &Fitted) -> Result<Option<Judge>> {
     let coarser = cells_of_grid(scene, theory, COARSER_CELL_FACTOR * fitted.size);
     let is_few = fitted.cells.zip(coarser).is_some_and(|(cells, coarser)| match theory {
         Model::Solid => is_unreliable(scene, theory, coarser, cells) || has_parts(scene),
         _ => are_few(cells, coarser) || has_parts(scene),
     });
-    match finer_size_if(is_few, scene, theory, fitted, watch) {
-        Some(size) => on_cells_of(comm, scene, theory, fitted, size, watch),
-        None => on_coarser_cells(comm, scene, theory, fitted, watch),
+    match finer_size_if(is_few, scene, theory, fitted, making.watch) {
+        Some(size) => on_cells_of(making, scene, theory, fitted, size),
+        None => on_coarser_cells(making, scene, theory, fitted),
     }
 }
 
@@ -294,51 +281,32 @@ fn finer_size_if(is_few: bool, scene: &Scene, theory: Model, fitted: &Fitted, wa
 }
 
 /// The force on coarser cells; `None` if there are no coarser cells.
-pub(super) fn on_coarser_cells(
-    comm: &Comm,
-    scene: &Scene,
-    theory: Model,
-    fine: &Fitted,
-    watch: &dyn Watch,
-) -> Result<Option<Judge>> {
-    on_cells_of(comm, scene, theory, fine, COARSER_CELL_FACTOR * fine.size, watch)
+pub(super) fn on_coarser_cells(making: &Making, scene: &Scene, theory: Model, fine: &Fitted) -> Result<Option<Judge>> {
+    on_cells_of(making, scene, theory, fine, COARSER_CELL_FACTOR * fine.size)
 }
 
 /// The force on cells of another size; `None` if they are the same cells.
-fn on_cells_of(
-    comm: &Comm,
-    scene: &Scene,
-    theory: Model,
-    fine: &Fitted,
-    size: f64,
-    watch: &dyn Watch,
-) -> Result<Option<Judge>> {
-    match build(comm, scene, theory, size, watch)? {
-        Built::Operators(built) => on_cells_built(comm, scene, fine, built, watch),
+fn on_cells_of(making: &Making, scene: &Scene, theory: Model, fine: &Fitted, size: f64) -> Result<Option<Judge>> {
+    match build(making, scene, theory, size)? {
+        Built::Operators(built) => on_cells_built(making, scene, fine, built),
         Built::Given(_) => Ok(None),
     }
 }
 
 /// The force on the cells of another body; `None` if they are the same cells.
-pub(super) fn on_cells_built(
-    comm: &Comm,
-    scene: &Scene,
-    fine: &Fitted,
-    built: Operators,
-    watch: &dyn Watch,
-) -> Result<Option<Judge>> {
+pub(super) fn on_cells_built(making: &Making, scene: &Scene, fine: &Fitted, built: Operators) -> Result<Option<Judge>> {
     if built.body.linear().unknowns() == fine.unknowns {
         return Ok(None);
     }
     let Operators { body, cells, cell_over_disc, .. } = built;
-    watch.at(Stage::Factor)?;
+    making.watch.at(Stage::Factor)?;
     let linear = body.linear();
-    let mut krylov = DirectSum::new(linear, Plan::new(linear, scene).start)?;
+    let mut krylov = DirectSum::new(linear, Plan::new(making, linear, scene).start)?;
     let vectors = fine.compared();
-    grow(&mut krylov, linear, vectors, None, watch)?;
+    grow(&mut krylov, linear, vectors, None, making.watch)?;
     let (_, steps) = fine.reduced.force;
-    let Trial { force, .. } = Trials::new(comm, scene, watch).force_in(steps, &krylov.projection(linear)?)?;
+    let Trial { force, .. } = Trials::new(making, scene).force_in(steps, &krylov.projection(linear)?)?;
     drop((krylov, body));
-    comm.collect_garbage()?;
+    making.comm.collect_garbage()?;
     Ok(cells.map(|cells| Judge { force, vectors, cells, cell_over_disc }))
 }

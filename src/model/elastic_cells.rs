@@ -6,8 +6,6 @@
 //! are fine enough. If the first cells are not, finer ones are chosen by the order of convergence, and their error is
 //! extrapolated in the same way: a fitted estimate.
 
-use petsc_wrap::Comm;
-
 use super::cell_error::{ORDER, are_few};
 use super::cells::{
     CELL_SHARE, COARSER_CELL_FACTOR, CellSize, FINER_CELL_FACTORS, Fitted, fitted, has_parts, judge_of, of_other_bases,
@@ -15,6 +13,7 @@ use super::cells::{
 };
 use super::error_factors::ErrorFactors;
 use super::local_field_error::local_field_errors;
+use super::making::Making;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, larger};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::watch::Watch;
@@ -57,10 +56,10 @@ struct Found {
 
 impl Found {
     /// Numbers of vectors with which the basis of the viscoelastic body begins to grow.
-    fn first_vectors(&self, built: &Operators, scene: &Scene) -> [usize; 2] {
+    fn first_vectors(&self, making: &Making, built: &Operators, scene: &Scene) -> [usize; 2] {
         // These too are a first guess: a body whose shapes change while it relaxes needs more vectors.
         let body = built.body.linear();
-        let start = Plan::new(body, scene).start;
+        let start = Plan::new(making, body, scene).start;
         let shifts = rates(&body.chains(), start.shift, start.end).len();
         if start.leaves_short_waves {
             return self.vectors.map(|vectors| (vectors_over_one_shift(shifts) * vectors as f64).ceil() as usize);
@@ -106,25 +105,24 @@ pub(super) struct Coarser {
 /// # Errors
 /// Same as [`fit`](super::cells::fit).
 pub(super) fn fit(
-    comm: &Comm,
+    making: &Making,
     scene: &Scene,
     theory: Model,
     mut built: Operators,
     coarser: Option<Coarser>,
-    watch: &dyn Watch,
 ) -> Result<Fitted> {
     let allowed = CELL_SHARE * scene.tolerance;
-    let Some(found) = found(comm, scene, theory, &built, (coarser, allowed), watch)? else {
-        return refine(comm, scene, theory, unrefined(comm, scene, built, watch)?, Errors::default(), watch);
+    let Some(found) = found(making, scene, theory, &built, (coarser, allowed))? else {
+        return refine(making, scene, theory, unrefined(making, scene, built)?, Errors::default());
     };
-    let served = found.first_vectors(&built, scene);
+    let served = found.first_vectors(making, &built, scene);
     if found.size < 1.0 {
-        match build(comm, scene, theory, found.size, watch)? {
+        match build(making, scene, theory, found.size)? {
             Built::Operators(finer) => built = finer,
             Built::Given(_) => return Err(Error::Solve("a plate has unknowns".into())),
         }
     }
-    let relaxing = fitted(comm, scene, built, (found.size, Some(served)), watch)?;
+    let relaxing = fitted(making, scene, built, (found.size, Some(served)))?;
     Ok(Fitted { error: Some(found.error), ..relaxing })
 }
 
@@ -133,15 +131,9 @@ pub(super) fn fit(
 ///
 /// # Errors
 /// Same as [`fit`](super::cells::fit).
-pub(super) fn cell_size(
-    comm: &Comm,
-    scene: &Scene,
-    theory: Model,
-    built: &Operators,
-    watch: &dyn Watch,
-) -> Result<Option<CellSize>> {
+pub(super) fn cell_size(making: &Making, scene: &Scene, theory: Model, built: &Operators) -> Result<Option<CellSize>> {
     let allowed = PART_FOR_SHARED_CELLS * CELL_SHARE * scene.tolerance;
-    let found = found(comm, scene, theory, built, (None, allowed), watch)?;
+    let found = found(making, scene, theory, built, (None, allowed))?;
     Ok(found.map(|found| {
         let evaluator = built.evaluator.as_ref();
         let error = with_averaging(evaluator, None, found.error);
@@ -152,12 +144,11 @@ pub(super) fn cell_size(
 /// Chooses the cells for an allowed discretisation error; `None` if the cells are few, or if there are no coarser cells
 /// on which the elastic body can be computed.
 fn found(
-    comm: &Comm,
+    making: &Making,
     scene: &Scene,
     theory: Model,
     built: &Operators,
     (coarser, allowed): (Option<Coarser>, f64),
-    watch: &dyn Watch,
 ) -> Result<Option<Found>> {
     let (Assembled::Local(body), Some(cells)) = (&built.body, built.cells) else { return Ok(None) };
     let stand_in = Operators {
@@ -177,13 +168,13 @@ fn found(
     if !has_parts && coarser_cells.is_none_or(|coarser| are_few(cells, coarser)) {
         return Ok(None);
     }
-    let elastic = elastic(scene);
+    let (elastic, watch) = (elastic(scene), making.watch);
     let served = coarser.as_ref().map(|coarser| coarser.vectors);
-    let fine = fitted(comm, &elastic, stand_in, (1.0, served), watch)?;
+    let fine = fitted(making, &elastic, stand_in, (1.0, served))?;
     let coarse = match coarser {
-        _ if has_parts => judge_of(comm, &elastic, theory, &fine, watch),
-        Some(coarser) => on_cells_built(comm, &elastic, &fine, coarser.operators, watch),
-        None => on_coarser_cells(comm, &elastic, theory, &fine, watch),
+        _ if has_parts => judge_of(making, &elastic, theory, &fine),
+        Some(coarser) => on_cells_built(making, &elastic, &fine, coarser.operators),
+        None => on_coarser_cells(making, &elastic, theory, &fine),
     };
     let coarse = match coarse {
         Ok(Some(judge)) => judge,
@@ -195,7 +186,7 @@ fn found(
     let vectors = agreed(self::vectors(&fine.reduced, scene), watch);
     tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact = error.first_contact, "elastic cells");
     let over = watch.agreed(error.of(scene.measure) / allowed);
-    if over <= 1.0 || scene.keeps_cells {
+    if over <= 1.0 || making.keeps_cells {
         return Ok(Some(Found { size: 1.0, error, vectors }));
     }
     let finer = over.recip().powf(ORDER.recip());
@@ -215,7 +206,7 @@ fn found(
         size *= FINER_CELL_FACTORS[1];
     }
     // The required size is too far from the present one for an extrapolation.
-    let Fitted { size, error, reduced, .. } = refine(comm, &elastic, theory, fine, of_other_bases(scene), watch)?;
+    let Fitted { size, error, reduced, .. } = refine(making, &elastic, theory, fine, of_other_bases(scene))?;
     let vectors = agreed(self::vectors(&reduced, scene), watch);
     Ok(error.map(|error| Found { size, error, vectors }))
 }

@@ -14,17 +14,15 @@
 //! largest tension of a laminate is often on a face between layers. The layerwise plate is then kept, with its
 //! estimate.
 
-use petsc_wrap::Comm;
-
 use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR};
 use super::elastic_cells::{self, Coarser};
 use super::local_field_error::delay_error;
+use super::making::Making;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::reduce::BASIS_SHARE;
 use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, bedding_error, rougher};
 use super::theory::build_thin;
 use super::trials::Trials;
-use super::watch::Watch;
 use super::{Built, Fitted, Model, Operators, Reduced, build, reduce, refine, unrefined};
 use crate::body::ModalBody;
 use crate::description::Description;
@@ -54,25 +52,20 @@ impl Thick {
 }
 
 /// Change of the force on a basis if its modes have the exact frequencies of flexural waves. Collective.
-fn error_of_frequencies(comm: &Comm, elastic: &Scene, reduced: &Reduced, watch: &dyn Watch) -> Result<Errors> {
+fn error_of_frequencies(making: &Making, elastic: &Scene, reduced: &Reduced) -> Result<Errors> {
     let ratios = plate::frequency_ratios(elastic)?;
     let Reduced { projection, force: (force, steps), .. } = reduced;
     let retuned = ModalBody::retuned(projection, |frequency| ratios.at(frequency));
-    let found = Trials::new(comm, elastic, watch).force_on(Some(retuned), *steps, projection)?;
+    let found = Trials::new(making, elastic).force_on(Some(retuned), *steps, projection)?;
     Ok(found.force.difference(force))
 }
 
 /// The layerwise plate; `None` if the solid is needed. Collective.
-pub(super) fn layered(
-    comm: &Comm,
-    scene: &Scene,
-    passed: &mut Vec<String>,
-    watch: &dyn Watch,
-) -> Result<Option<Model>> {
+pub(super) fn layered(making: &Making, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<Model>> {
     let elastic = elastic_cells::elastic(scene);
     let elastic = Scene { time: Time { modal: true, ..scene.time.clone() }, ..elastic };
     let rough = rougher(&elastic);
-    let layerwise = |scene: &Scene, size: f64| match build(comm, scene, Theory::Layerwise, size, watch)? {
+    let layerwise = |scene: &Scene, size: f64| match build(making, scene, Theory::Layerwise, size)? {
         Built::Operators(operators) => Ok(operators),
         Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
     };
@@ -82,15 +75,15 @@ pub(super) fn layered(
     // estimate.
     let thick = if relaxes {
         let operators = layerwise(&elastic, COARSER_CELL_FACTOR)?;
-        let reduced = reduce(comm, operators.body.linear(), &rough, watch)?;
+        let reduced = reduce(making, operators.body.linear(), &rough)?;
         Thick::Coarser { operators, reduced }
     } else {
-        Thick::Whole(unrefined(comm, &elastic, layerwise(&elastic, 1.0)?, watch)?)
+        Thick::Whole(unrefined(making, &elastic, layerwise(&elastic, 1.0)?)?)
     };
-    let thin = reduce(comm, build_thin(comm, &rough)?.body.linear(), &rough, watch)?;
+    let thin = reduce(making, build_thin(making.comm, &rough)?.body.linear(), &rough)?;
     let difference = thick.reduced().force.0.difference(&thin.force.0);
     let of_bedding = bedding_error(scene, &thick.reduced().force.0);
-    let of_waves = error_of_frequencies(comm, &elastic, thick.reduced(), watch)?;
+    let of_waves = error_of_frequencies(making, &elastic, thick.reduced())?;
     let of_boundaries = mindlin_error_over_difference(&elastic) * difference;
     tracing::debug!(waves = of_waves.first_contact, boundaries = of_boundaries.first_contact, "error of the theory");
     let of_theory = of_waves + of_boundaries;
@@ -107,7 +100,7 @@ pub(super) fn layered(
         "shear of the stiff layers and the local field change layerwise by {differ:.1e}{of_what}{part}; estimated error of layerwise relative to solid: {}",
         beside(error, THEORY_SHARE * tolerance)
     );
-    let [over, alone] = [error, alone].map(|error| watch.agreed(error / tolerance));
+    let [over, alone] = [error, alone].map(|error| making.watch.agreed(error / tolerance));
     let share = THEORY_SHARE * tolerance;
     // Cells and basis get what the theory and the time steps leave of the tolerance.
     let rest = rest(rest(1.0, TIME_STEP_SHARE), over);
@@ -139,18 +132,18 @@ pub(super) fn layered(
     };
     let model = if elastic_cells::serves(scene, Theory::Layerwise) {
         let operators = layerwise(&left, 1.0)?;
-        let fitted = elastic_cells::fit(comm, &left, Theory::Layerwise, operators, coarser, watch)?;
-        Model::on_basis(comm, scene, Theory::Layerwise, fitted)?
+        let fitted = elastic_cells::fit(making, &left, Theory::Layerwise, operators, coarser)?;
+        Model::on_basis(making, scene, Theory::Layerwise, fitted)?
     } else if scene.time.modal {
         drop(coarser);
         let on_first_cells = match whole {
             Some(thick) => thick,
-            None => unrefined(comm, &left, layerwise(&left, 1.0)?, watch)?,
+            None => unrefined(making, &left, layerwise(&left, 1.0)?)?,
         };
-        let fitted = refine(comm, &left, Theory::Layerwise, on_first_cells, Errors::default(), watch)?;
-        Model::on_basis(comm, scene, Theory::Layerwise, fitted)?
+        let fitted = refine(making, &left, Theory::Layerwise, on_first_cells, Errors::default())?;
+        Model::on_basis(making, scene, Theory::Layerwise, fitted)?
     } else {
-        Model::of(comm, &left, Theory::Layerwise, watch)?
+        Model::of(making, &left, Theory::Layerwise)?
     };
     let model = Model { tolerance: accepted, ..model };
     Ok(Some(model.with_error(Cause::Theory, of_theory.joined(of_bedding))))

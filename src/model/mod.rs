@@ -10,6 +10,7 @@ mod led;
 mod linearity;
 mod local_field_error;
 mod long_waves;
+mod making;
 mod mindlin_error;
 mod readings;
 mod reduce;
@@ -24,9 +25,10 @@ pub use judgement::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, OTHER_CON
 use judgement::{LARGEST_COST_FOR_DEFLECTIONS, cost};
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 use local_field_error::local_field_errors;
+pub use making::Making;
 pub use mindlin_error::mindlin_error_over_difference;
 pub use readings::Gauges;
-pub use reduce::{BASIS_SHARE, Reduced, rate, reduce, shift};
+pub use reduce::{BASIS_SHARE, Reduced, may_lack_rotations, rate, reduce, shift};
 pub use select_theory::thickness_compression;
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
@@ -44,7 +46,7 @@ use crate::mesh::Measures;
 use crate::scene::{self, Scene};
 use crate::solve::Method;
 
-use watch::{Unwatched, Watch};
+use watch::Unwatched;
 
 /// A scene's body, ready for impact simulations.
 pub struct Model {
@@ -136,25 +138,26 @@ impl Model {
     /// A fault if the theory does not admit the scene; the errors of meshes; [`crate::Error::Solve`] if the impact
     /// cannot be solved on any basis; or if a PETSc call fails.
     pub fn new(comm: &Comm, scene: &Scene) -> Result<Self> {
-        Self::watched(comm, scene, &Unwatched(comm))
+        Self::made(&Making::new(comm, &Unwatched(comm)), scene)
     }
 
-    /// [`Model::new`] with a [`Watch`] that may interrupt it. Collective.
+    /// [`Model::new`], made in a given way. Collective.
     ///
     /// # Errors
     /// Same as [`Model::new`]; [`crate::Error::Interrupted`] if the watch stops it.
-    pub fn watched(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Self> {
-        let of_scene = |scene: &Scene| match scene.body.model {
-            scene::Model::Auto => select_theory::select_theory(comm, scene, watch),
-            theory => Self::of(comm, scene, theory, watch),
+    pub fn made(making: &Making, scene: &Scene) -> Result<Self> {
+        let made = |making: &Making| match scene.body.model {
+            scene::Model::Auto => select_theory::select_theory(making, scene),
+            theory => Self::of(making, scene, theory),
         };
-        let with_low_shift = || Scene { limits_deflection_error: true, ..scene.clone() };
+        let with_low_shift = Making { limits_deflection_error: true, ..*making };
         let is_auto = scene.body.reduction == scene::Reduction::Auto;
-        let lacks_rotations = is_auto && scene.basis_may_lack_rotations();
-        let mut model = if lacks_rotations { of_scene(&with_low_shift()) } else { of_scene(scene) }?;
+        let lacks_rotations = is_auto && may_lack_rotations(scene);
+        let mut model = made(if lacks_rotations { &with_low_shift } else { making })?;
         // Theories and cells are compared on bases with the same shift, so that the whole model is made again.
-        if watch.decided(model.may_lower_shift && model.error_of_deflection_by_basis() > LARGE_ERROR_OF_DEFLECTION) {
-            model = match of_scene(&with_low_shift()) {
+        let is_poor = model.may_lower_shift && model.error_of_deflection_by_basis() > LARGE_ERROR_OF_DEFLECTION;
+        if making.watch.decided(is_poor) {
+            model = match made(&with_low_shift) {
                 Err(Error::Solve(_) | Error::Fault(_)) => model,
                 second => second?,
             };
@@ -173,8 +176,9 @@ impl Model {
     }
 
     /// Makes the model of one theory. Collective.
-    fn of(comm: &Comm, scene: &Scene, theory: scene::Model, watch: &dyn Watch) -> Result<Self> {
-        match build(comm, scene, theory, 1.0, watch)? {
+    fn of(making: &Making, scene: &Scene, theory: scene::Model) -> Result<Self> {
+        let comm = making.comm;
+        match build(making, scene, theory, 1.0)? {
             Built::Given(body) => {
                 Ok(Self::bare(comm, (scene, theory), Dynamics::Modal(body), 0, "a formula".to_owned()))
             }
@@ -189,13 +193,14 @@ impl Model {
                     ..Self::bare(comm, (scene, theory), Dynamics::Stepped(body), unknowns, discretisation)
                 })
             }
-            Built::Operators(built) => Self::on_basis(comm, scene, theory, fit(comm, scene, theory, built, watch)?),
+            Built::Operators(built) => Self::on_basis(making, scene, theory, fit(making, scene, theory, built)?),
         }
     }
 
     /// The model of a reduced body. Collective.
-    fn on_basis(comm: &Comm, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let may_lower_shift = may_lower_shift(scene, theory, &fitted);
+    fn on_basis(making: &Making, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
+        let comm = making.comm;
+        let may_lower_shift = !making.limits_deflection_error && may_lower_shift(scene, theory, &fitted);
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, size, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_untouched) = (projection.vectors(), !force.0.has_contact());
@@ -284,7 +289,7 @@ const MOST_UNKNOWNS_OF_SECOND_SOLID: usize = 4000;
 /// of vectors of the first basis.
 pub fn is_quickly_reduced_again(scene: &Scene, theory: scene::Model, unknowns: usize, vectors: usize) -> bool {
     scene.body.reduction == scene::Reduction::Auto
-        && !scene.has_low_shift()
+        && scene.measure != scene::Measure::Deflection
         // With pads, each impact that is computed on a basis takes long.
         && !scene.is_on_pads()
         && cost(unknowns, vectors) <= LARGEST_COST_FOR_DEFLECTIONS

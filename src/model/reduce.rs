@@ -1,17 +1,16 @@
 //! Reduces a body to a basis as large as a scene needs, and estimates the error of the basis.
 
-use petsc_wrap::Comm;
-
 use crate::body::{
     DirectSum, LinearBody, ModalBody, Projection, SHIFT_OVER_CUTOFF, Start, rates, vectors_over_one_shift,
 };
 use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors, KnownForce, Steps, Trace};
-use crate::scene::{Reduction, Scene};
+use crate::scene::{Measure, Reduction, Scene};
 
 use super::error_factors::ErrorFactors;
 use super::judgement::Rule;
 use super::long_waves::{LongWaves, ORDER};
+use super::making::Making;
 use super::trials::{Trial, Trials};
 use super::watch::{Judged, Stage, Watch};
 
@@ -131,8 +130,8 @@ impl Reduced {
 ///
 /// # Errors
 /// [`crate::Error::Solve`] if the impact cannot be solved on any basis; or if a PETSc call fails.
-pub fn reduce(comm: &Comm, body: &dyn LinearBody, scene: &Scene, watch: &dyn Watch) -> Result<Reduced> {
-    reduce_from(comm, body, scene, None, watch)
+pub fn reduce(making: &Making, body: &dyn LinearBody, scene: &Scene) -> Result<Reduced> {
+    reduce_from(making, body, scene, None)
 }
 
 /// [`reduce`] with an initial guess for an automatic basis: the numbers of vectors of the smaller and the larger basis
@@ -141,14 +140,14 @@ pub fn reduce(comm: &Comm, body: &dyn LinearBody, scene: &Scene, watch: &dyn Wat
 /// # Errors
 /// Same as [`reduce`].
 pub fn reduce_from(
-    comm: &Comm,
+    making: &Making,
     body: &dyn LinearBody,
     scene: &Scene,
     served: Option<[usize; 2]>,
-    watch: &dyn Watch,
 ) -> Result<Reduced> {
+    let watch = making.watch;
     watch.at(Stage::Factor)?;
-    let Plan { start, vectors: first } = Plan::new(body, scene);
+    let Plan { start, vectors: first } = Plan::new(making, body, scene);
     let mut krylov = DirectSum::new(body, start)?;
     let given = match scene.body.reduction {
         Reduction::Vectors(vectors) => Some(vectors),
@@ -160,7 +159,7 @@ pub fn reduce_from(
     let second = served.map_or(larger(first), |[_, more]| more.max(larger(first)));
     let mut count = given.unwrap_or(first);
     let mut tried: Vec<Tried> = Vec::new();
-    let mut trials = Trials::new(comm, scene, watch);
+    let mut trials = Trials::new(making, scene);
     let relaxes = !body.chains().is_empty();
     let factors = ErrorFactors::of(body, start);
     let is_smaller_used = !(start.leaves_short_waves || relaxes);
@@ -232,7 +231,7 @@ pub fn reduce_from(
                     let plate = plate.as_ref();
                     let unknowns = body.unknowns();
                     let rule =
-                        Rule { scene, watch, start, unknowns, vectors: count, smaller: *smaller, factors, plate };
+                        Rule { making, scene, start, unknowns, vectors: count, smaller: *smaller, factors, plate };
                     let judgement = match rule.judge_on(&projection, [judge, &mut trial], &mut trials, enough) {
                         Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
                         Err(error) if enough => return Err(error),
@@ -244,7 +243,7 @@ pub fn reduce_from(
                     if let Some(judgement) = judgement.filter(|judgement| enough || judgement.is_met) {
                         let mut error = rule.closer(judgement.error, &projection, &trial, &trials)?;
                         // Two bases that both lack the rotations of a free body agree and are wrong.
-                        if scene.basis_may_lack_rotations() {
+                        if !making.limits_deflection_error && may_lack_rotations(scene) {
                             error.deflection = f64::NAN;
                         }
                         tracing::info!(
@@ -325,13 +324,18 @@ pub(super) struct Plan {
 impl Plan {
     /// The plan for a scene's body: by the rule of thumb; or by the number of modes that take part, if a plate's
     /// contact excites many.
-    pub(super) fn new(body: &dyn LinearBody, scene: &Scene) -> Self {
+    pub(super) fn new(making: &Making, body: &dyn LinearBody, scene: &Scene) -> Self {
         // A basis must not depend on the end time of a run that may be continued.
         let end = if scene.time.modal { scene.time.end } else { f64::INFINITY };
         let in_blocks = scene.tolerance >= LEAST_TOLERANCE_OF_BLOCKS;
         let may_be_long = body.unknowns() >= LEAST_UNKNOWNS_OF_LANCZOS_BLOCKS;
         let short = Self {
-            start: Start { rate: rate(scene), end, in_blocks: in_blocks && may_be_long, ..Start::from(shift(scene)) },
+            start: Start {
+                rate: rate(scene),
+                end,
+                in_blocks: in_blocks && may_be_long,
+                ..Start::from(shift(scene, making.limits_deflection_error))
+            },
             vectors: FIRST_VECTORS,
         };
         let plate = body.infinite_plate().filter(|_| !body.is_on_foundations());
@@ -380,7 +384,18 @@ pub fn rate(scene: &Scene) -> f64 {
     SHIFT_TIMES_CONTACT * (1e-2 / scene.tolerance).cbrt() / scene.impactor.basis_time()
 }
 
-/// Shift s of the basis for the scene's impact, 1/s, if short waves are not treated separately.
-pub fn shift(scene: &Scene) -> f64 {
-    if scene.has_low_shift() { LOW_SHIFT_OVER_RATE * rate(scene) } else { rate(scene) }
+/// Shift s of the basis for the scene's impact, 1/s, if short waves are not treated separately. It is low, for slow vibrations
+/// after a contact, if the error of the deflection is limited.
+pub fn shift(scene: &Scene, limits_deflection_error: bool) -> f64 {
+    let is_low = limits_deflection_error || scene.measure == Measure::Deflection;
+    if is_low { LOW_SHIFT_OVER_RATE * rate(scene) } else { rate(scene) }
+}
+
+/// Whether the basis may lack rotations of the body, so that the error of the deflection is unknown. The impact makes
+/// the body rotate, nothing holds it, and the basis is made for the acceleration or the stresses alone.
+pub fn may_lack_rotations(scene: &Scene) -> bool {
+    let is_central = scene
+        .struck_axis()
+        .is_some_and(|struck| (0..3).filter(|axis| *axis != struck).all(|axis| scene.impactor.point[axis] == 0.0));
+    scene.supports.is_empty() && !is_central && scene.measure != Measure::Deflection
 }

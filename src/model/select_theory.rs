@@ -8,8 +8,6 @@
 use std::cell::LazyCell;
 use std::f64::consts::PI;
 
-use petsc_wrap::Comm;
-
 use crate::contact::zener;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors, Trace, beside};
@@ -18,6 +16,7 @@ use crate::space::parts::{Part, parts};
 use crate::space::spline;
 
 use super::layers::layered;
+use super::making::Making;
 use super::mindlin_error::mindlin_error_over_difference;
 use super::watch::Watch;
 use super::{Built, Model, Reduced, admits, build, reduce, refine, unrefined};
@@ -62,9 +61,9 @@ const BEDDING_STRESS_ERROR: f64 = 0.16;
 const ERROR_PER_LAMBDA: f64 = 1.13;
 
 /// Selects the theory and makes its model. Collective.
-pub(super) fn select_theory(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Model> {
+pub(super) fn select_theory(making: &Making, scene: &Scene) -> Result<Model> {
     let mut passed: Vec<String> = Vec::new();
-    if let Some((model, reason)) = formula(comm, scene, watch)? {
+    if let Some((model, reason)) = formula(making, scene)? {
         return Ok(Model { reason: Some(reason), ..model });
     }
     let is_layered = scene.body.composition.uniform().is_none();
@@ -97,7 +96,7 @@ pub(super) fn select_theory(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Re
                 "its only material is viscoelastic, and the error of a plate theory is not estimated for that; body.model = \"layerwise\" computes it as a plate".to_owned(),
             );
         }
-        Ok(()) => match if is_layered { layered } else { plate }(comm, scene, &mut passed, watch) {
+        Ok(()) => match if is_layered { layered } else { plate }(making, scene, &mut passed) {
             Ok(Some(model)) => return Ok(Model { reason: Some(passed.join("; ")), ..model }),
             Ok(None) => {}
             // The solid may succeed where a plate fails.
@@ -105,7 +104,7 @@ pub(super) fn select_theory(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Re
             Err(error) => return Err(error),
         },
     }
-    let model = Model::of(comm, scene, Theory::Solid, watch)?;
+    let model = Model::of(making, scene, Theory::Solid)?;
     Ok(Model { reason: Some(passed.join("; ")), ..model })
 }
 
@@ -119,7 +118,7 @@ fn is_held_away(support: &Support) -> bool {
 /// Three effects of the body are missing in a half-space. They are waves (λ), the body's rigid motion (at most the
 /// ratio of the masses) and the different indentation of a layer of thickness h (about F/(E h)). The exact last term is
 /// 0.84 to 1.1 of that, and half of it appears in the force.
-fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Model, String)>> {
+fn formula(making: &Making, scene: &Scene) -> Result<Option<(Model, String)>> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
     let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
     // A half-space has no face on which a tension could reach a strength, and no deflection but the indentation.
@@ -149,7 +148,7 @@ fn formula(comm: &Comm, scene: &Scene, watch: &dyn Watch) -> Result<Option<(Mode
     }
     // (A half-space has no deflection but the indentation.)
     let errors = Errors { deflection: f64::NAN, ..Errors::throughout(error) };
-    let model = Model::of(comm, scene, Theory::HalfSpace, watch)?;
+    let model = Model::of(making, scene, Theory::HalfSpace)?;
     let reason = format!(
         "estimated error of a half-space: {error:.1e}, the sum of Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
@@ -202,10 +201,10 @@ fn check_uncompressed(scene: &Scene) -> std::result::Result<(), String> {
 }
 
 /// Tries Kirchhoff's and Mindlin's plates; `None` if the solid is needed.
-fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch) -> Result<Option<Model>> {
+fn plate(making: &Making, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<Model>> {
     let tolerance = scene.tolerance;
     let modal = Scene { time: crate::scene::Time { modal: true, ..scene.time.clone() }, ..scene.clone() };
-    let operators = |scene: &Scene, theory| match build(comm, scene, theory, 1.0, watch)? {
+    let operators = |scene: &Scene, theory| match build(making, scene, theory, 1.0)? {
         Built::Operators(operators) => Ok(operators),
         Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
     };
@@ -217,7 +216,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     }
     let part = mindlin_error_over_difference(scene);
     let rough = rougher(&modal);
-    let on_rough = |theory| reduce(comm, operators(&rough, theory)?.body.linear(), &rough, watch);
+    let on_rough = |theory| reduce(making, operators(&rough, theory)?.body.linear(), &rough);
     // Reason why splines cannot model the solid, evaluated only where the theory's error is above its share. With a
     // given scheme and no basis, the solid is a mesh in any case.
     let no_splines = LazyCell::new(|| if scene.is_reduced() { spline::admits(scene).err() } else { None });
@@ -230,7 +229,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     // If rough plates clearly rule out the theory, no fine plate is computed.
     if is_too_large(part * LEAST_DIFFERENCE / tolerance, 1.0) {
         let kirchhoff = on_rough(Theory::Kirchhoff)?;
-        let compared = Compared::new(scene, part, &on_rough(Theory::Mindlin)?, &kirchhoff, watch);
+        let compared = Compared::new(scene, part, &on_rough(Theory::Mindlin)?, &kirchhoff, making.watch);
         if is_too_large(compared.error_over_tolerance, RULED_OUT_FACTOR) {
             passed.push(compared.ruled_out(scene));
             return Ok(None);
@@ -239,7 +238,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     }
     // Cells and basis are not checked yet. Their part of the difference is small, and so is their effect on the
     // estimate.
-    let thick = unrefined(comm, &modal, operators(&modal, Theory::Mindlin)?, watch)?;
+    let thick = unrefined(making, &modal, operators(&modal, Theory::Mindlin)?)?;
     let of_theory = if part <= UNCOMPARED_THEORY_SHARE * tolerance {
         passed.push(format!(
             "estimated error of mindlin relative to solid: {part:.1e}, even if kirchhoff differed from it by the whole peak"
@@ -247,7 +246,7 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
         Errors::throughout(part)
     } else {
         let thin = thin.map_or_else(|| on_rough(Theory::Kirchhoff), Ok)?;
-        let compared = Compared::new(scene, part, &thick.reduced, &thin, watch);
+        let compared = Compared::new(scene, part, &thick.reduced, &thin, making.watch);
         if is_too_large(compared.error_over_tolerance, 1.0) {
             passed.push(compared.ruled_out(scene));
             return Ok(None);
@@ -262,10 +261,10 @@ fn plate(comm: &Comm, scene: &Scene, passed: &mut Vec<String>, watch: &dyn Watch
     let of_theory = of_theory.joined(bedding_error(scene, &thick.reduced.force.0));
     let model = match scene.time.modal {
         true => {
-            let fitted = refine(comm, &modal, Theory::Mindlin, thick, of_theory, watch)?;
-            Model::on_basis(comm, scene, Theory::Mindlin, fitted)?
+            let fitted = refine(making, &modal, Theory::Mindlin, thick, of_theory)?;
+            Model::on_basis(making, scene, Theory::Mindlin, fitted)?
         }
-        false => Model::of(comm, scene, Theory::Mindlin, watch)?,
+        false => Model::of(making, scene, Theory::Mindlin)?,
     };
     Ok(Some(model.with_error(Cause::Theory, of_theory)))
 }

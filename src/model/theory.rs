@@ -13,8 +13,9 @@ use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
 use super::long_waves::LongWaves;
+use super::making::Making;
 use super::reduce::MAX_VECTORS_PER_CLASS;
-use super::watch::{Stage, Watch};
+use super::watch::Stage;
 
 /// Factor on the size of the largest cells of a plate if its basis resolves long waves only: such cells still carry
 /// these. On a pane of 8 mm the error of the force was 0.2% with a factor of 1.3, equal to its difference from cells
@@ -108,7 +109,7 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
 ///
 /// # Errors
 /// A fault of `body.model` if the theory does not admit the scene; the errors of meshes; or if a PETSc call fails.
-pub fn build(comm: &Comm, scene: &Scene, theory: Model, size: f64, watch: &dyn Watch) -> Result<Built> {
+pub fn build(&Making { comm, watch, .. }: &Making, scene: &Scene, theory: Model, size: f64) -> Result<Built> {
     let spline_settings = spline::Settings::of(scene, size);
     let is_of_splines = matches!(theory, Model::Auto | Model::Solid) && is_of_splines(scene);
     let seconds = match theory {

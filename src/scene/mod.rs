@@ -91,14 +91,8 @@ pub struct Scene {
     pub tolerance: f64,
     /// Factor on the size of all cells that are chosen automatically.
     pub cell_factor: f64,
-    /// Whether cells are not refined by their estimated error. No scene file sets it; it is set where several runs share one
-    /// choice of cells.
-    pub keeps_cells: bool,
     /// Quantity to which the tolerance applies.
     pub measure: Measure,
-    /// Whether the basis must also limit the estimated error of the deflection, although the tolerance does not apply to
-    /// it. No scene file sets it; it is set where a model is made again for the deflection.
-    pub limits_deflection_error: bool,
     /// Tensile strength of the material.
     pub strength: Strength,
     /// Solution of a time step.
@@ -179,20 +173,6 @@ impl Scene {
         let (Geometry::Box { size, .. }, Some(axis)) = (&self.body.geometry, self.struck_axis()) else { return false };
         let Impactor { direction, point, .. } = &self.impactor;
         (direction[axis].abs() - 1.0).abs() < 1e-9 && leave_free(&self.supports, (*size, *point, axis), clearance)
-    }
-
-    /// Whether the basis may lack rotations of the body, so that the error of the deflection is unknown. The impact makes
-    /// the body rotate, nothing holds it, and the basis is made for the acceleration or the stresses alone.
-    pub fn basis_may_lack_rotations(&self) -> bool {
-        let is_central = self
-            .struck_axis()
-            .is_some_and(|struck| (0..3).filter(|axis| *axis != struck).all(|axis| self.impactor.point[axis] == 0.0));
-        self.supports.is_empty() && !is_central && !self.has_low_shift()
-    }
-
-    /// Whether the basis has a low shift, for slow vibrations after a contact: the error of the deflection is limited.
-    pub fn has_low_shift(&self) -> bool {
-        self.measure == Measure::Deflection || self.limits_deflection_error
     }
 
     /// Distance of the impact point from the nearest edge of the impacted face of a box, m; `None` for a mesh file.

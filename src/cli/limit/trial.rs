@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{Cause, Errors, Reading, Until};
 use crate::model::watch::{Stage, Watch as _};
-use crate::model::{self, Linearity, Model, Simulation};
+use crate::model::{self, Linearity, Making, Model, Simulation};
 use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, StrengthVerdict, strengths};
 use crate::scene::{self, Scene, Source, Vec3};
@@ -110,7 +110,7 @@ impl Discretisation {
     /// The scene with this theory and these cells.
     pub(super) fn of(&self, scene: &Scene) -> Scene {
         let body = scene::Body { model: self.theory, ..scene.body.clone() };
-        Scene { body, cell_factor: scene.cell_factor * self.cell_size, keeps_cells: true, ..scene.clone() }
+        Scene { body, cell_factor: scene.cell_factor * self.cell_size, ..scene.clone() }
     }
 }
 
@@ -128,7 +128,8 @@ pub(super) fn trial(
     let follower = Follower::new(comm, interrupt.clone());
     let shared = given.map(|given| given.of(scene));
     let scene = shared.as_ref().unwrap_or(scene);
-    let mut model = Model::watched(comm, scene, &follower).map_err(|error| error.in_scene(source))?;
+    let making = Making { keeps_cells: given.is_some(), ..Making::new(comm, &follower) };
+    let mut model = Model::made(&making, scene).map_err(|error| error.in_scene(source))?;
     let own = || Discretisation {
         theory: model.theory,
         cell_size: model.cell_size,

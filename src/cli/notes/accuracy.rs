@@ -122,7 +122,7 @@ pub fn of_deflection(estimate: &ErrorEstimate, scene: &Scene) -> Vec<String> {
             estimated(error)
         ));
     }
-    if of_basis.is_some_and(f64::is_nan) && scene.basis_may_lack_rotations() {
+    if of_basis.is_some_and(f64::is_nan) && model::may_lack_rotations(scene) {
         notes.push(UNESTIMATED_ROTATIONS.to_owned());
     }
     notes

@@ -12,7 +12,7 @@ use crate::agree::{agree, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::impact::{Cause, Errors};
 use crate::model::watch::{Stage, Watch as _};
-use crate::model::{self, Linearity, Model, Simulation};
+use crate::model::{self, Linearity, Making, Model, Simulation};
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::series::{Points, SeriesWriter};
 use crate::record::stress::{Faces, MapPoints, Ring, strengths};
@@ -52,7 +52,7 @@ pub(in crate::cli) struct Written<'a> {
     pub force: bool,
     /// Whether the summary is printed.
     pub has_summary: bool,
-    /// Estimated errors of the theory that the scene names, if it was selected before.
+    /// Estimated errors of the theory that the scene names, if it and its cells were chosen before.
     pub of_theory: Option<Errors>,
 }
 
@@ -80,7 +80,8 @@ pub(in crate::cli) fn solve(
     }
     let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
     let follower = Follower::new(comm, interrupt.clone());
-    let mut model = Model::watched(comm, scene, &follower)?;
+    let making = Making { keeps_cells: of_theory.is_some(), ..Making::new(comm, &follower) };
+    let mut model = Model::made(&making, scene)?;
     if let Some(of_theory) = of_theory {
         model.error = model.error.with(Cause::Theory, of_theory);
     }

@@ -15,8 +15,8 @@ use crate::impact::step::Step;
 use crate::impact::{self, Cause, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
 use crate::model::{
-    BASIS_SHARE, Dynamics, JudgeBasis, LARGE_ERROR_OF_DEFLECTION, Linearity, Model, edges, largest_linear,
-    thickness_compression,
+    BASIS_SHARE, Dynamics, JudgeBasis, LARGE_ERROR_OF_DEFLECTION, Linearity, Making, Model, edges, largest_linear,
+    may_lack_rotations, thickness_compression,
 };
 use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
@@ -178,15 +178,15 @@ impl<'a> Bodies<'a> {
             let all = self.grouping.members_on(&body);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
             let family = |limits_deflection_error: bool| {
-                let scene_of = |value: f64| Ok(Scene { limits_deflection_error, ..self.scene_on(&all, value)? });
+                let making = Making { limits_deflection_error, ..Making::new(&self.comm, watch) };
                 // If one body of the family fails, the other members may still be computed separately.
-                match Family::new(&self.comm, &values, &scene_of, watch) {
+                match Family::new(&making, &values, &|value| self.scene_on(&all, value)) {
                     Err(Error::Solve(_) | Error::Fault(_)) => Ok(None),
                     family => family,
                 }
             };
             let named = self.named(scene.clone());
-            let lacks_rotations = has_automatic_basis(&named) && named.basis_may_lack_rotations();
+            let lacks_rotations = has_automatic_basis(&named) && may_lack_rotations(&named);
             // Merged bases mix the stiffness matrices of two values. On a plate, whose thickness is in series with a support, these are
             // not linear in its stiffness.
             let hardest = self.scene_on(&all, values[values.len() - 1])?;
@@ -239,7 +239,7 @@ impl<'a> Bodies<'a> {
     }
 
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
-        let model = Model::watched(&self.comm, &self.named(scene.clone()), watch)?;
+        let model = Model::made(&Making::new(&self.comm, watch), &self.named(scene.clone()))?;
         Kept::of(scene, model, self.error_of_theory(scene))
     }
 }
@@ -281,7 +281,7 @@ impl Kept {
         let lacks_rotations = match &self.made_for {
             Some(MadeFor { of_basis, .. }) => of_basis.deflection.is_nan(),
             // Automatic bases of families have a low shift if they would lack rotations.
-            None => scene.basis_may_lack_rotations() && !has_automatic_basis(scene),
+            None => may_lack_rotations(scene) && !has_automatic_basis(scene),
         };
         is_compared && !lacks_rotations && self.body.footprint.patch().is_none()
     }

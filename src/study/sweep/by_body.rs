@@ -140,7 +140,7 @@ fn rates_of(scene: &Scene) -> Vec<u32> {
     if chains.is_empty() {
         return Vec::new();
     }
-    let first = shift(&shared(scene.clone()));
+    let first = shift(&shared(scene.clone()), false);
     let all = rates(&chains.iter().collect::<Vec<_>>(), first, scene.time.end);
     all.into_iter().map(|rate| (100.0 * rate / first).round() as u32).collect()
 }

@@ -6,6 +6,8 @@ use crate::start::{run as run_steps, start};
 use mpi_test::{Test, tests};
 use petsc_wrap::Session;
 use ricochet::element::Shape;
+use ricochet::model::watch::Unwatched;
+use ricochet::model::{Built, Making, build};
 use ricochet::scene::Model;
 
 pub const RANKS: &[usize] = &[1, 2];
@@ -151,17 +153,10 @@ fn weight_of_layers(session: &Session) {
     let gravity = "[load]\ngravity = [0.0, 0.0, -9.8]\n";
     for body in ["model = \"solid\"", "model = \"solid\"\ncells = [6, 6, 3]"] {
         let scene = parse(&laminate([0.008, 0.002, 0.008], [1e9, 1100.0], body, "end = 1e-4", gravity));
-        let loaded = match ricochet::model::build(
-            &session.world(),
-            &scene,
-            Model::Solid,
-            1.0,
-            &ricochet::model::watch::Unwatched(&session.world()),
-        )
-        .unwrap()
-        {
-            ricochet::model::Built::Operators(built) => built.body.in_petsc(&session.alone()).unwrap(),
-            ricochet::model::Built::Given(_) => panic!("operators"),
+        let comm = session.world();
+        let loaded = match build(&Making::new(&comm, &Unwatched(&comm)), &scene, Model::Solid, 1.0).unwrap() {
+            Built::Operators(built) => built.body.in_petsc(&session.alone()).unwrap(),
+            Built::Given(_) => panic!("operators"),
         };
         let found = loaded.multiplicity * loaded.load.dot(&loaded.translation).unwrap();
         let mut momentum = loaded.load.duplicate().unwrap();
