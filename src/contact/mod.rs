@@ -7,6 +7,7 @@
 mod force_law;
 pub mod hertz;
 mod law;
+mod layers;
 mod localization;
 mod radius;
 mod table;
@@ -15,6 +16,8 @@ pub mod zener;
 pub use force_law::{ForceLaw, Power};
 pub use hertz::Hertz;
 pub use law::{Damped, Law};
+pub(crate) use layers::HitOnLayers;
+pub use layers::{LayerEffect, LayeredContact};
 pub use localization::{Footprint, LARGEST_PHASE, Localization};
 pub(crate) use radius::{Blow, dent, limits, unit_compliance};
 pub use radius::{Patch, Reason};

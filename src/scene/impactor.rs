@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Vec3;
-use crate::contact::{Blow, ForceLaw};
+use crate::contact::{Blow, ForceLaw, LayerEffect, LayeredContact};
 
 /// The rigid impactor with one degree of freedom, and its contact law.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,46 +43,6 @@ pub struct Impactor {
 /// half-space is then six times that of the reduced mass, and time steps resolve the vibrations of the body; on free bodies the
 /// force was right up to ratios of 3000.
 pub(in crate::scene) const HEAVIEST: f64 = 100.0;
-
-/// Effect of the layers below the impacted one on the contact.
-#[derive(Debug, Clone, PartialEq)]
-pub enum LayerEffect {
-    /// The impacted layer is like a half-space, or Hertz's law is not asked for.
-    Negligible,
-    /// The only layer is treated as a half-space, which gives the force an estimated relative error: the contact is not small
-    /// compared with the thickness.
-    Estimated(f64),
-    /// Law on plates, and on spline solids without a patch of a given radius.
-    Law(Arc<LayeredContact>),
-    /// The layer is treated as a half-space, which is inaccurate. The reason is a clause.
-    Untreated(&'static str),
-}
-
-/// Contact with a stack of layers.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LayeredContact {
-    /// Law in place of F(α). Its indentation is the approach minus the mean displacement of the loaded disc on an infinite
-    /// plate.
-    pub force_law: ForceLaw,
-    /// Part of a body's local compliance c_l (m/N) that this law leaves out, because its indentation is not that of Hertz's
-    /// law.
-    pub compliance: f64,
-    /// Forces (N) with the contact radius (m) at each.
-    pub radii: Vec<[f64; 2]>,
-    /// Radius of the disc on which bodies carry the force, m.
-    pub disc: f64,
-}
-
-impl LayeredContact {
-    /// Contact radius (m) at a force (N): a power of the force between the known ones.
-    pub fn radius(&self, force: f64) -> f64 {
-        let number = self.radii.partition_point(|[at, _]| *at < force).clamp(1, self.radii.len() - 1);
-        let ([f0, r0], [f1, r1]) = (self.radii[number - 1], self.radii[number]);
-        // From the first touch on the contact is Hertz's.
-        let exponent = if f0 > 0.0 { (r1 / r0).ln() / (f1 / f0).ln() } else { 1.0 / 3.0 };
-        r1 * (force.max(0.0) / f1).powf(exponent)
-    }
-}
 
 impl Impactor {
     /// The contact with the layers of the body, if it has a law of its own.

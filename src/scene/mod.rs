@@ -41,7 +41,7 @@ pub use doubts::{Doubt, doubts};
 pub use error::SceneError;
 pub(crate) use faces::faces;
 pub use fault::Fault;
-pub use impactor::{Impactor, LayerEffect, LayeredContact};
+pub use impactor::Impactor;
 pub use load::{Load, Traction};
 pub use output::{Measure, Output, Probe, is_name_of_result};
 pub use source::Source;

@@ -43,6 +43,8 @@ pub use section::Section;
 pub use transverse::{ShearStrain, Transverse, interlayers};
 pub use wave::Wave;
 
+use crate::form::Material;
+
 /// Homogeneous, isotropic, elastic layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layer {
@@ -55,6 +57,11 @@ pub struct Layer {
 }
 
 impl Layer {
+    /// Layer of a thickness (m) and a material.
+    pub fn of(thickness: f64, material: &Material) -> Self {
+        Self { thickness, young: material.young, poisson: material.poisson }
+    }
+
     /// Shear modulus μ, Pa.
     pub fn shear(&self) -> f64 {
         0.5 * self.young / (1.0 + self.poisson)

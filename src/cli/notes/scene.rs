@@ -1,10 +1,10 @@
 //! Remarks on a scene: values that are probably a mistake, contact, time steps, and keys without effect.
 
-use crate::contact::{Footprint, ForceLaw, LARGEST_PHASE, Patch, Reason};
+use crate::contact::{Footprint, ForceLaw, LARGEST_PHASE, LayerEffect, Patch, Reason};
 use crate::impact::Plan;
 use crate::model;
 use crate::scene::{
-    Contact, Doubt, Geometry, LayerEffect, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
+    Contact, Doubt, Geometry, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
 };
 use crate::scheme::critical_frequency;
 use crate::space::plate::phase;

@@ -21,8 +21,9 @@ pub(super) use write::{TensionDatasets, rings, rows};
 
 use std::sync::Arc;
 
+use crate::contact::LayeredContact;
 use crate::impact::step::Step;
-use crate::scene::{LayeredContact, Strength};
+use crate::scene::Strength;
 
 /// Faces on which stresses are recorded.
 #[derive(Debug, Clone, PartialEq, Default)]

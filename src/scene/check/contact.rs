@@ -1,11 +1,13 @@
 //! Checks the contact: where its force acts, and the force law.
 
 use super::super::values::{FileOrPoints, Number};
-use super::super::{Contact, Impactor, SceneError, Source, faces, raw};
+use super::super::{
+    CLEAR_OF_SUPPORTS, Composition, Contact, Impactor, Parts, SceneError, Source, Support, Vec3, faces, leave_free, raw,
+};
 use super::body::Outline;
 use super::numbers::show;
 use super::{table, word};
-use crate::contact::{ForceLaw, Power, Table};
+use crate::contact::{ForceLaw, HitOnLayers, LayerEffect, Power, Table};
 use crate::form::{AreaShape, ContactArea};
 
 /// Smallest part of the impactor's energy that a table must be able to absorb.
@@ -178,6 +180,44 @@ fn points(source: &Source, raw: &raw::Contact) -> Result<Table, SceneError> {
         Some(FileOrPoints::File(name)) => table::read(&source.folder().join(name)).map_err(wrong)?,
     };
     Table::new(&points).map_err(wrong)
+}
+
+/// Effect of the layers of a box on the contact.
+pub(super) fn layer_effect(
+    size: Vec3,
+    composition: &Composition,
+    supports: &[Support],
+    impactor: &Impactor,
+    contact: Contact,
+) -> LayerEffect {
+    let Impactor { point, direction, radius, timing_mass, .. } = *impactor;
+    if contact == Contact::Point || !matches!(impactor.force_law, ForceLaw::Hertz(_)) {
+        return LayerEffect::Negligible;
+    }
+    let axis = faces::struck_axis(size, point, direction);
+    let room = [0, 1].map(|axis| 0.5 * size[axis] - point[axis].abs());
+    let hit = HitOnLayers {
+        blow: impactor.blow(),
+        timing_mass,
+        radius,
+        is_free: leave_free(supports, (size, point, axis), CLEAR_OF_SUPPORTS),
+        longest_edge: size[0].max(size[1]),
+        room: room[0].min(room[1]),
+        disc: if let Contact::Patch { disc, .. } = contact { disc } else { None },
+    };
+    if composition.uniform().is_some() {
+        let error = hit.error_on_layer(size[axis], &composition.struck);
+        return error.map_or(LayerEffect::Negligible, LayerEffect::Estimated);
+    }
+    let is_normal = (direction[2].abs() - 1.0).abs() < 1e-9;
+    if !is_normal || !matches!(composition.parts, Parts::Layers(_)) {
+        return LayerEffect::Negligible;
+    }
+    let mut layers = composition.across(2, size[2]);
+    if direction[2] > 0.0 {
+        layers.reverse();
+    }
+    hit.on_layers(&layers)
 }
 
 /// Damping d of Hunt and Crossley's factor, s/m.

@@ -183,8 +183,7 @@ mod default {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{ForceLaw, Hertz};
-    use crate::scene::LayerEffect;
+    use crate::contact::{ForceLaw, Hertz, LayerEffect};
 
     fn hit(size: Vec3, point: Vec3, contact: Contact, order: usize) -> [Vec<f64>; 3] {
         let direction = [0.0, 0.0, -1.0];

@@ -2,11 +2,11 @@
 
 use super::super::impactor::HEAVIEST;
 use super::super::values::{Number, SurfacePoint, Three};
-use super::super::{Composition, Impactor, LayerEffect, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
+use super::super::{Composition, Impactor, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
 use super::body::Outline;
 use super::contact;
 use super::numbers::show;
-use crate::contact::{ForceLaw, Hertz, hertz};
+use crate::contact::{ForceLaw, Hertz, LayerEffect, hertz};
 use crate::form;
 
 pub(super) fn check(

@@ -5,7 +5,6 @@ mod composition;
 mod contact;
 mod grid;
 mod impactor;
-mod layer_contact;
 mod layers;
 mod material;
 mod modal;
@@ -100,7 +99,7 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
     time::equilibrium(source, &time, &load, &supports)?;
     let temperature = material::temperature(source, &raw)?;
     if let Geometry::Box { size, .. } = geometry {
-        impactor.layer_effect = layer_contact::law(size, &composition, &supports, &impactor, contact);
+        impactor.layer_effect = contact::layer_effect(size, &composition, &supports, &impactor, contact);
     }
     let body = Body { model, reduction, composition, temperature, geometry, order, symmetry };
     let keys = plausible::Keys { stiffness: &stiffness_key, density: &density_key };

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use crate::form::{Material, Spread};
-use crate::scene::{Contact, Geometry, Impactor, LayeredContact, Scene, Vec3, faces};
+use crate::contact::LayeredContact;
+use crate::form::Spread;
+use crate::scene::{Contact, Geometry, Impactor, Scene, Vec3, faces};
 use crate::space::plate::LEAST_LAYER;
 use crate::stack::{
     Carrier, Cylindrical, LEAST_DEPTH_OVER_CONTACT, Layer, Layerwise, LocalField, PointField, Pressure, Sections, Stack,
@@ -212,10 +213,7 @@ impl NearHit {
         let stack = match &hit.body {
             HitBody::Layerwise(theory) => theory.stack().clone(),
             HitBody::Layers(stack) => stack.clone(),
-            HitBody::OneLayer(_) => {
-                let Material { young, poisson, .. } = *scene.body.composition.uniform()?;
-                Stack::new(&[Layer { thickness: size[struck], young, poisson }])?
-            }
+            HitBody::OneLayer(_) => Stack::new(&[Layer::of(size[struck], scene.body.composition.uniform()?)])?,
         };
         let (point, contact) = (scene.impactor.point, ContactSize::new(scene));
         let [one, other] = [(struck + 1) % 3, (struck + 2) % 3];
@@ -451,10 +449,7 @@ fn stack_at_end(scene: &Scene, (axis, thickness): (usize, f64)) -> Option<Stack>
         layers.reverse();
     }
     let time = scene.impactor.contact_time();
-    let layer = |(thickness, material): (f64, crate::material::Material)| {
-        let Material { young, poisson, .. } = material.secant(time);
-        Layer { thickness, young, poisson }
-    };
+    let layer = |(thickness, material): (f64, crate::material::Material)| Layer::of(thickness, &material.secant(time));
     Stack::new(&layers.into_iter().map(layer).collect::<Vec<_>>())
 }
 

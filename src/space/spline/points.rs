@@ -5,7 +5,7 @@ use crate::element::gauss_legendre;
 use crate::form::elastic::displacement;
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
-use crate::form::{Material, Projection, Spread};
+use crate::form::{Projection, Spread};
 use crate::scene::Vec3;
 use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
 use crate::space::grid::GridField;
@@ -157,10 +157,7 @@ impl Points {
 
 /// Layers of a box from the impacted face, with their secant moduli at a time, s.
 pub(super) fn stack(parts: &[BodyPart], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
-    let layer = |(part, ends): (&BodyPart, &[f64])| {
-        let Material { young, poisson, .. } = part.material.secant(time);
-        Layer { thickness: ends[1] - ends[0], young, poisson }
-    };
+    let layer = |(part, ends): (&BodyPart, &[f64])| Layer::of(ends[1] - ends[0], &part.material.secant(time));
     let mut layers: Vec<Layer> = parts.iter().zip(geometry.interfaces.windows(2)).map(layer).collect();
     if geometry.hit[geometry.struck] > 0.0 {
         layers.reverse();

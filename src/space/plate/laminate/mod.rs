@@ -104,10 +104,7 @@ impl Laminate {
             is_alike && (thicknesses[i] - thicknesses[image]).abs() <= 1e-9 * geometry.thickness
         });
         let time = scene.impactor.moduli_time();
-        let layer = |(part, thickness): (&Part, &f64)| {
-            let Material { young, poisson, .. } = part.material.secant(time);
-            stack::Layer { thickness: *thickness, young, poisson }
-        };
+        let layer = |(part, thickness): (&Part, &f64)| stack::Layer::of(*thickness, &part.material.secant(time));
         let layers: Vec<stack::Layer> = parts.iter().zip(&thicknesses).map(layer).collect();
         let stack = Stack::new(&layers).ok_or("a layer is no stable elastic solid")?;
         let section = stack::Section::new(&stack);
