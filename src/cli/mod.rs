@@ -12,7 +12,7 @@ pub mod interrupt;
 pub mod limit;
 mod load;
 mod members;
-mod notes;
+pub mod notes;
 mod petsc;
 pub mod plot;
 mod progress;

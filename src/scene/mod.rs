@@ -7,7 +7,6 @@ mod check;
 mod composition;
 mod decode;
 mod differences;
-mod doubts;
 mod elsewhere;
 mod error;
 pub(crate) mod faces;
@@ -35,9 +34,9 @@ use crate::form::ContactArea;
 
 pub use body::{Body, Geometry, Model, Reduction, Symmetry};
 pub use check::one_digit;
+pub(crate) use check::{HOT, in_celsius, show};
 pub use composition::{Composition, Layer, Parts};
 pub use differences::differences;
-pub use doubts::{Doubt, doubts};
 pub use error::SceneError;
 pub(crate) use faces::faces;
 pub use fault::Fault;

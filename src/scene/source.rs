@@ -115,6 +115,13 @@ impl Source {
         &self.text
     }
 
+    /// Number at a dotted path through tables, as the text has it; `None` if there is none.
+    pub fn number(&self, path: &str) -> Option<f64> {
+        let document = Document::parse(self.text.as_str()).ok()?;
+        let item = path.split('.').try_fold(document.as_item(), |item, name| item.get(name))?;
+        item.as_float().or(item.as_integer().map(|whole| whole as f64))
+    }
+
     /// An error at the key of a dotted path, for example `support.0.surface`; if the key is missing, at its table.
     /// `message` describes the error, `help` how to correct it.
     pub fn error(&self, path: &str, message: impl Into<String>, help: impl Into<String>) -> SceneError {

@@ -1,6 +1,7 @@
 //! Warnings and notes about a scene and its result, to be read before the result is trusted.
 
 mod accuracy;
+mod doubts;
 mod geometry;
 mod scene;
 
@@ -9,8 +10,9 @@ pub use accuracy::{
     GROWTH, UNESTIMATED_ROTATIONS, Verdict, describe_model, missed, note_of_measure, of_deflection, of_tension,
     remedy_of_tension, scope_of_tolerance, verdict,
 };
+pub use doubts::of_values;
 pub use geometry::of_geometry;
-pub use scene::{missing_faces, notes, of_values};
+pub use scene::{missing_faces, notes};
 
 /// A warning or note about a scene or its result.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +51,7 @@ impl Said {
     }
 
     /// Number of remarks.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.lines.len()
     }
 

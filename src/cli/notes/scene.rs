@@ -1,23 +1,14 @@
-//! Remarks on a scene: values that are probably a mistake, contact, time steps, and keys without effect.
+//! Remarks on a scene: contact, time steps, and keys without effect.
 
 use crate::contact::{Footprint, ForceLaw, LARGEST_PHASE, LayerEffect, Patch, Reason};
 use crate::impact::Plan;
 use crate::model;
-use crate::scene::{
-    Contact, Doubt, Geometry, Load, Model as Theory, Scene, Scheme, Source, doubts, face_names, one_digit,
-};
+use crate::scene::{Contact, Geometry, Load, Model as Theory, Scene, Scheme, face_names, one_digit};
 use crate::scheme::critical_frequency;
 use crate::space::plate::phase;
 
 use super::super::short;
 use super::Remark;
-
-/// Remarks on values that are probably a mistake.
-pub fn of_values(scene: &Scene, source: &Source) -> Vec<Remark> {
-    let remark =
-        |Doubt { error, excess }: Doubt| Remark::new(error.key(), excess, format!("{error}; {}", error.advice()));
-    doubts(scene, source).into_iter().map(remark).collect()
-}
 
 /// Warning for a body of layers whose stresses are read on its outer faces only, although the largest tension may be on
 /// others.

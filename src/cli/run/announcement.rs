@@ -56,7 +56,7 @@ impl Announcement {
     pub fn print(&self, comm: &Comm, scene: &Scene, impact: &Simulation, said: &mut Said) -> Result<()> {
         if let Some(message) = &self.poor {
             said.warn(message);
-            said.print(said.len());
+            said.print(said.count());
         }
         note(format_args!("{}", self.described));
         if let Some(reason) = &self.reason {
@@ -76,7 +76,7 @@ impl Announcement {
                  there",
             );
         }
-        said.print(said.len());
+        said.print(said.count());
         Ok(())
     }
 }

@@ -69,7 +69,7 @@ impl Recorder {
             self.remark(scene, flow, &largest_tension, end);
         }
         let useless = self.useless(first_end, &largest_tension, end).filter(|_| is_complete);
-        let printed = self.said.len();
+        let printed = self.said.count();
         useless.iter().for_each(|message| self.said.warn(message));
         self.writer.set_warnings(self.said.text());
         // If the steps have failed, the caller reports that error: a full disk first fails the steps and then the end.
@@ -83,7 +83,7 @@ impl Recorder {
             self.summary.print(&episodes, &largest, end.cost, &judged(scene, end.estimate), end.output);
         }
         // Unless it is accepted, the last warning is printed as the error that ends the program.
-        self.said.print(if end.force { self.said.len() } else { printed });
+        self.said.print(if end.force { self.said.count() } else { printed });
         if flow.is_continue() {
             checkpoint::remove(end.output)?;
             return Ok(useless.filter(|_| !end.force));

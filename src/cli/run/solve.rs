@@ -76,7 +76,7 @@ pub(in crate::cli) fn solve(
         // Before the model is built, which may take long with such values.
         let odd = notes::texts(notes::of_values(scene, source));
         odd.iter().for_each(|warning| said.warn(warning));
-        said.print(said.len());
+        said.print(said.count());
     }
     let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
     let follower = Follower::new(comm, interrupt.clone());

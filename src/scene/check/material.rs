@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::super::doubts::{HOT, in_celsius};
 use super::super::raw::{self, Term};
 use super::super::values::{FileOrTerms, Number};
 use super::super::{SceneError, Source};
@@ -16,6 +15,12 @@ const MOST_TERMS: usize = 100;
 
 /// Expected contents of a file of relaxation terms.
 const HELP_OF_FILE: &str = "a file with lines of time (s) and modulus (Pa), the times ascending";
+
+/// Highest plausible temperature of a body whose relaxation depends on it, °C. Interlayers of glass are laminated at 140.
+pub(crate) const HOT: f64 = 150.0;
+
+/// 0 °C, K.
+const ZERO_CELSIUS: f64 = 273.15;
 
 /// A checked material.
 pub(super) struct Named {
@@ -135,6 +140,12 @@ fn wlf(source: &Source, path: &str, raw: &raw::Material) -> Result<Option<Wlf>, 
     };
     source.finite(&key("reference"), &[wlf.reference])?;
     Ok(Some(wlf))
+}
+
+/// Advice for a temperature that may be meant in K.
+pub(crate) fn in_celsius(kelvin: f64) -> String {
+    let celsius = (1e6 * (kelvin - ZERO_CELSIUS)).round() / 1e6;
+    format!("temperatures are in °C: {} K are {} °C", show(kelvin), show(celsius))
 }
 
 /// Decimal logarithm of the shift factor a_T; 0 without a shift or a temperature.

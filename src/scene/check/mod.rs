@@ -29,8 +29,9 @@ use body::Outline;
 use composition::Struck;
 pub(super) use contact::table_in_file;
 pub(super) use material::with_series;
+pub(crate) use material::{HOT, in_celsius};
 pub use numbers::one_digit;
-pub(super) use numbers::show;
+pub(crate) use numbers::show;
 
 /// Most supports of a scene.
 const MOST_SUPPORTS: usize = 300;

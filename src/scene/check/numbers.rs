@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::super::{SceneError, Source, Vec3};
 
 /// Formats a number as a person would write it.
-pub(in crate::scene) fn show(value: f64) -> String {
+pub(crate) fn show(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 

@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use super::check::{one_digit, show};
-use super::decode::decode;
-use super::values::Number;
-use super::{Geometry, Parts, Scene, SceneError, Source, Vec3, raw};
 use crate::form::Lame;
 use crate::form::elastic::COMPRESSIBLE;
 use crate::material::{Material, Maxwell};
+use crate::scene::{Geometry, HOT, Layer, Parts, Scene, Source, Vec3, in_celsius, one_digit, show};
+
+use super::Remark;
 
 /// Smallest plausible Young's modulus, Pa. Rubber is stiffer.
 const SOFT: f64 = 1e6;
@@ -44,11 +43,6 @@ const LIGHT: f64 = 25.0;
 /// Largest plausible density, kg/m³. All metals are lighter.
 const HEAVY: f64 = 25e3;
 
-/// Highest plausible temperature of a body whose relaxation depends on it, °C. Interlayers of glass are laminated at 140.
-pub(super) const HOT: f64 = 150.0;
-/// 0 °C, K.
-const ZERO_CELSIUS: f64 = 273.15;
-
 /// Radius of the impactor above which its density is checked, m.
 const LARGE: f64 = 1.0;
 /// Smallest plausible density of the impactor, kg/m³: its mass over the volume of a ball with its radius.
@@ -62,43 +56,34 @@ const STRAINED: f64 = 0.1;
 /// Longest plausible run, in contact times on a half-space.
 const LONGEST_RUN: f64 = 5e3;
 
-/// A value that is probably a mistake.
-#[derive(Debug)]
-pub struct Doubt {
-    /// Place of the value in the scene, and why it is doubtful.
-    pub error: SceneError,
-    /// Factor by which the value exceeds the usual range.
-    pub excess: f64,
-}
-
-/// Advice for a temperature that may be meant in K.
-pub(super) fn in_celsius(kelvin: f64) -> String {
-    let celsius = (1e6 * (kelvin - ZERO_CELSIUS)).round() / 1e6;
-    format!("temperatures are in °C: {} K are {} °C", show(kelvin), show(celsius))
-}
-
-/// All doubtful values of the scene of a source.
-pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
-    let Ok(raw) = decode(source) else { return Vec::new() };
+/// Remarks on the doubtful values of the scene of a source.
+pub fn of_values(scene: &Scene, source: &Source) -> Vec<Remark> {
     let impactor = &scene.impactor;
     let contact = impactor.contact_time();
     let mut all = Vec::new();
     let mut doubt = |key: &str, excess: f64, what: String, help: String| {
         if excess > 1.0 {
-            all.push(Doubt { error: source.error(key, what, help), excess });
+            let error = source.error(key, what, help);
+            all.push(Remark::new(key, excess, format!("{error}; {}", error.advice())));
         }
     };
+    let materials = named(scene);
+    let given = |name: &str, key: &str| source.number(&format!("material.{name}.{key}"));
+    let parts = &scene.body.composition.parts;
+    let whole = if let Parts::Whole(material) = parts { Some(material) } else { None };
     let of_young = || "Young's modulus is in Pa: 70 GPa are 70e9".to_owned();
-    let mut moduli = vec![("body.young".to_owned(), raw.body.young), ("impactor.young".to_owned(), raw.impactor.young)];
-    moduli.extend(raw.material.iter().map(|(name, material)| (format!("material.{name}.young"), material.young)));
+    let of_body = whole.map(|material| material.instantaneous.young);
+    let mut moduli =
+        vec![("body.young".to_owned(), of_body), ("impactor.young".to_owned(), source.number("impactor.young"))];
+    moduli.extend(materials.keys().map(|name| (format!("material.{name}.young"), given(name, "young"))));
     for (key, young) in moduli {
-        let Some(Number(young)) = young else { continue };
+        let Some(young) = young else { continue };
         doubt(&key, SOFT / young, format!("{} Pa is softer than rubber", show(young)), of_young());
         if key != "impactor.young" {
             doubt(&key, young / STIFF, format!("{} Pa is stiffer than diamond", show(young)), of_young());
         }
     }
-    for (name, material) in named(scene, &raw) {
+    for (name, material) in &materials {
         let Some(Maxwell { equilibrium, terms }) = &material.shear else { continue };
         let sum: f64 = terms.iter().map(|term| term.modulus).sum();
         let is_relative = !terms.is_empty() && sum <= 1.0;
@@ -111,20 +96,20 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
             "terms are moduli in Pa: multiply each relative one by the modulus at t = 0, and let `shear` be the rest"
                 .to_owned();
         doubt(&format!("material.{name}.prony"), if is_relative { equilibrium / RELATIVE } else { 0.0 }, what, help);
-        let reference = raw.material.get(name).and_then(|raw| raw.wlf.as_ref()).map_or(0.0, |wlf| wlf.reference.0);
+        let reference = material.shift.map_or(0.0, |shift| shift.reference);
         let what = format!("{} °C is hotter than any interlayer bears", show(reference));
         doubt(&format!("material.{name}.wlf.reference"), reference / HOT, what, in_celsius(reference));
     }
-    for (name, material) in named(scene, &raw) {
-        let Some(raw::Material { shear: Some(Number(shear)), bulk, .. }) = raw.material.get(name) else { continue };
+    for (name, material) in &materials {
+        let Some(shear) = given(name, "shear") else { continue };
         // The given shear modulus of a viscoelastic material is what relaxation leaves, and may be small.
         let instantaneous = material.shear.as_ref().map(Maxwell::instantaneous);
         let of_shear = match instantaneous {
             Some(shear) => format!("the shear modulus of {shear:.3e} Pa at t = 0, with all terms of `prony`,"),
-            None => format!("{} Pa", show(*shear)),
+            None => format!("{} Pa", show(shear)),
         };
-        let given_bulk = bulk.map(|Number(bulk)| ("bulk", bulk, format!("{} Pa", show(bulk))));
-        let of_shear = ("shear", instantaneous.unwrap_or(*shear), of_shear);
+        let given_bulk = given(name, "bulk").map(|bulk| ("bulk", bulk, format!("{} Pa", show(bulk))));
+        let of_shear = ("shear", instantaneous.unwrap_or(shear), of_shear);
         for (key, modulus, words) in [of_shear].into_iter().chain(given_bulk) {
             let (key, help) = (format!("material.{name}.{key}"), || "moduli are in Pa: 2 GPa are 2e9".to_owned());
             doubt(&key, SOFT_SHEAR / modulus, format!("{words} is softer than rubber"), help());
@@ -132,10 +117,9 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         }
     }
     let of_density = || "the density is in kg/m3: 2.5 g/cm3 are 2500".to_owned();
-    let mut densities = vec![("body.density".to_owned(), raw.body.density)];
-    densities.extend(raw.material.iter().map(|(name, of)| (format!("material.{name}.density"), Some(of.density))));
-    for (key, density) in densities {
-        let Some(Number(density)) = density else { continue };
+    let of_materials = materials.iter().map(|(name, material)| (format!("material.{name}.density"), *material));
+    for (key, material) in whole.map(|material| ("body.density".to_owned(), material)).into_iter().chain(of_materials) {
+        let density = material.instantaneous.density;
         doubt(&key, LIGHT / density, format!("{} kg/m3 is lighter than foam", show(density)), of_density());
         doubt(&key, density / HEAVY, format!("{} kg/m3 is heavier than any metal", show(density)), of_density());
     }
@@ -158,15 +142,14 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         let help = "a strength is in Pa: 45 MPa are 45e6".to_owned();
         doubt(&key, strength / STRONG, format!("{} Pa is stronger than any steel or glass", show(strength)), help);
     }
-    let thicknesses: Vec<f64> = raw.body.layer.0.iter().map(|layer| layer.thickness.0).collect();
-    if let Geometry::Box { size: [x, y, _], .. } = scene.body.geometry {
-        let (edge, thinnest) = (x.min(y), thicknesses.iter().copied().fold(f64::INFINITY, f64::min));
-        for (number, thickness) in thicknesses.iter().enumerate() {
+    if let (Geometry::Box { size: [x, y, _], .. }, Parts::Layers(layers)) = (&scene.body.geometry, parts) {
+        let (edge, thinnest) = (x.min(*y), layers.iter().map(|layer| layer.thickness).fold(f64::INFINITY, f64::min));
+        for (number, Layer { thickness, .. }) in layers.iter().enumerate() {
             let beside = [THICK_BESIDE_OTHERS, THICK_FOR_EDGE * edge, THICK_FOR_LAYERS * thinnest]
                 .map(|usual| thickness / usual);
             let excess = beside.into_iter().fold(f64::INFINITY, f64::min).max(thickness / THICK);
             let what =
-                format!("a layer of {} m is thick beside edges of {} and {} m", show(*thickness), show(x), show(y));
+                format!("a layer of {} m is thick beside edges of {} and {} m", show(*thickness), show(*x), show(*y));
             let help = format!("a thickness is in m: {} mm are {}", show(*thickness), show(1e-3 * thickness));
             doubt(&format!("body.layer.{number}.thickness"), excess, what, help);
         }
@@ -181,7 +164,7 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
         let help = "a stiffness is in N/m3, for each m2 of the surface: 1 N/mm3 is 1e9".to_owned();
         doubt(&format!("support.{number}.stiffness"), SOFT_SUPPORT / stiffness, what, help);
     }
-    if let Some(Number(temperature)) = raw.body.temperature {
+    if let Some(temperature) = scene.body.temperature {
         doubt(
             "body.temperature",
             temperature / HOT,
@@ -198,7 +181,7 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
     }
     let struck = scene.body.struck();
     let force = largest(scene.load.force_on(struck.density)) / struck.density;
-    let key = if raw.load.body_force.is_some() { "load.body_force" } else { "load.gravity" };
+    let key = if scene.load.body_force != [0.0; 3] { "load.body_force" } else { "load.gravity" };
     let what = format!("the loads accelerate the body by {force:.1e} m/s2, ten thousand times its weight and more");
     doubt(key, force / FORCED, what, "body_force is in N/m3, and gravity in m/s2".to_owned());
     for (number, traction) in scene.load.traction.iter().enumerate() {
@@ -232,13 +215,10 @@ pub fn doubts(scene: &Scene, source: &Source) -> Vec<Doubt> {
 }
 
 /// Materials of the layers or of the volumes, by name.
-fn named<'a>(scene: &'a Scene, raw: &'a raw::Scene) -> BTreeMap<&'a str, &'a Material> {
+fn named(scene: &Scene) -> BTreeMap<&str, &Material> {
     match &scene.body.composition.parts {
         Parts::Whole(_) => BTreeMap::new(),
-        Parts::Layers(layers) => {
-            let names = raw.body.layer.0.iter().map(|layer| layer.material.as_str());
-            names.zip(layers.iter().map(|layer| &layer.material)).collect()
-        }
+        Parts::Layers(layers) => layers.iter().map(|layer| (layer.name.as_str(), &layer.material)).collect(),
         Parts::Volumes(volumes) => volumes.iter().map(|(name, material)| (name.as_str(), material)).collect(),
     }
 }
