@@ -99,15 +99,6 @@ impl Impactor {
         self.force_law.contact_time(self.timing_mass, self.contact_speed())
     }
 
-    /// Time (s) by which bases are made: the duration of the contact with a fixed half-space, halved as often as the contact with a
-    /// stack of layers requires. (On a thin coat it may be a fifth.)
-    pub fn basis_time(&self) -> f64 {
-        let time = self.contact_time();
-        let of_law = |law: &ForceLaw| law.contact_time(self.timing_mass, self.contact_speed());
-        let of_layers = self.layered_contact().map_or(time, |layered| of_law(&layered.force_law));
-        time * (of_layers / time).log2().floor().clamp(-10.0, 0.0).exp2()
-    }
-
     /// Half the contact time on a half-space, s. Static local fields replace viscoelastic layers by elastic ones, with
     /// their secant moduli at this time.
     pub fn moduli_time(&self) -> f64 {
