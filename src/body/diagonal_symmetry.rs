@@ -66,7 +66,6 @@ impl DiagonalSymmetry {
             hit_stress: system.hit_stress.iter().map(|form| exchange.form(form)).collect(),
             infinite_plate: system.infinite_plate.clone(),
             exchange: None,
-            factorised: Vec::new(),
             ..*system
         };
         Some((exchange, symmetric))

@@ -18,7 +18,7 @@ use super::{DiagonalSymmetry, FoundationPoints, InfinitePlate, System};
 /// Linear body made from a [`System`]. With several ranks, each has a copy.
 pub struct LocalBody {
     system: System,
-    /// Matrices in run format, for operators without products along grid axes. Filled at first use.
+    /// Matrices in run format. Filled at first use.
     products: RefCell<Vec<(Operator, Rc<RunLengthMatrix>)>>,
     /// Symmetry classes that the force excites. Empty if there is only one class, the whole body.
     classes: Vec<Self>,
@@ -117,15 +117,11 @@ impl LinearBody for LocalBody {
     }
 
     fn apply(&self, operator: Operator, vectors: &Columns) -> Result<Columns> {
-        if let Some((_, factorised)) = self.system.factorised.iter().find(|(of, _)| *of == operator) {
-            return Ok(vectors.mapped(|entries| factorised.multiply(entries)));
-        }
         let none = || vectors.zeros(vectors.count());
         Ok(self.runs(operator).map_or_else(none, |runs| vectors.mapped(|entries| runs.multiply(entries))))
     }
 
     fn solver(&self, rate: f64, precision: Precision) -> Result<Solver> {
-        assert!(self.system.elastic.nnz() > 0, "a body for products has no matrices");
         let relaxing = self.system.relaxations.iter();
         let relaxing = relaxing.map(|(distortion, chain)| (chain.transformed_terms(rate), distortion));
         let factor = |operator: Operator, factor: f64| self.matrix(operator).map(|matrix| (factor, matrix));

@@ -74,7 +74,6 @@ impl Projection {
             translation: self.translation.as_slice().to_vec(),
             infinite_plate: None,
             exchange: None,
-            factorised: Vec::new(),
             is_nearly_incompressible: false,
             multiplicity: self.multiplicity,
             classes: 1,

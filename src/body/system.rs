@@ -1,18 +1,14 @@
 //! A body as plain matrices and vectors, without a mesh, small enough for a copy on every rank.
 
-use std::rc::Rc;
-
 use nalgebra_sparse::CsrMatrix;
 use petsc_wrap::{Comm, Int, Matrix, Vector};
 
 use crate::contact::{Footprint, Localization};
 use crate::error::Result;
-use crate::form::tensor::SumFactorised;
 use crate::material::Maxwell;
 use crate::solve::Method;
 
 use super::deviates::normal;
-use super::linear::Operator;
 use super::{Body, Clamps, InfinitePlate, PadOnSurface, Pads, Relaxation};
 
 /// Number of matrix entries that fit into the cache of a core. For smaller matrices, products with an upper triangle
@@ -59,9 +55,6 @@ pub struct System {
     pub infinite_plate: Option<InfinitePlate>,
     /// Number of each unknown after an exchange of the two axes, if the body is a square that permits it.
     pub exchange: Option<Vec<usize>>,
-    /// Operators of each symmetry class as products along the axes of a grid, if these are cheaper than products with
-    /// all entries. They take precedence over the matrices, which may then be empty, in bodies for products alone.
-    pub factorised: Vec<(Operator, Rc<SumFactorised>)>,
     /// Whether parts are nearly incompressible, so that stresses need mode acceleration.
     pub is_nearly_incompressible: bool,
     /// Number of such bodies that form the whole.
@@ -161,7 +154,6 @@ impl System {
             translation: self.translation.clone(),
             infinite_plate: self.infinite_plate.clone(),
             exchange: self.exchange.clone(),
-            factorised: self.factorised.iter().filter(|(operator, _)| *operator == Operator::Mass).cloned().collect(),
             ..*self
         }
     }
@@ -197,7 +189,6 @@ impl System {
             relaxations: self.relaxations.iter().map(|(d, chain)| (square(d), chain.clone())).collect(),
             infinite_plate: self.infinite_plate.clone(),
             exchange: None,
-            factorised: self.factorised.clone(),
             classes: 1,
             ..*self
         }

@@ -2,7 +2,6 @@
 //! or a face is a sum of products of one-dimensional integrals along the axes, so that no multi-dimensional quadrature
 //! is needed.
 
-mod factorised;
 mod rows;
 
 use std::cmp::Ordering;
@@ -13,7 +12,6 @@ use nalgebra_sparse::CsrMatrix;
 
 use super::spline::WIDTH;
 use super::{Projection, Spline};
-pub use factorised::SumFactorised;
 use rows::Rows;
 
 /// A derivative of a field.

@@ -26,15 +26,13 @@ use clamps::held;
 use geometry::PlateGeometry;
 use layer::Layer;
 
-use std::rc::Rc;
-
 use nalgebra_sparse::CsrMatrix;
 
 use super::grid::{GridSpace, count_cells};
 use super::parity::repeated;
 use super::parts;
 use super::{SurfaceTerms, rung_below};
-use crate::body::{Operator, System};
+use crate::body::System;
 use crate::contact::{Footprint, dent};
 use crate::description::Description;
 use crate::error::Result;
@@ -111,14 +109,6 @@ impl Default for Settings {
         }
     }
 }
-
-/// Smallest ratio of the stored entries of a matrix to the multiplications of its sum-factorised form for which the
-/// latter is used. For a matrix larger than the cache, a stored entry takes about as long as one of these
-/// multiplications.
-const LEAST_SAVING: usize = 2;
-
-/// Number of entries from which a matrix counts as larger than the cache.
-const LARGE: usize = 100_000;
 
 /// Smallest radius of Mindlin's disc divided by the thickness.
 const LEAST_DISC: f64 = 0.5;
@@ -291,25 +281,14 @@ impl Plate {
         };
         let of_classes = |matrix: CsrMatrix<f64>| repeated(matrix, classes);
         let exchange = square::exchange(&points);
-        let (mut factorised, mut integrals) = (Vec::new(), Integrals::default());
-        let mut of_forms = |operator: Operator, forms: &[Square<2>]| {
-            let matrix = points.tensor.matrix_sharing(forms, &mut integrals);
-            // A square that is symmetric about its diagonal is reduced to half of its unknowns, which have no product
-            // form along the axes. Whether its supports are symmetric too is not known yet.
-            if exchange.is_none() || matrix.nnz() > LARGE {
-                let along_axes = points.tensor.factorised(forms, &mut integrals);
-                if along_axes.multiplications() < matrix.nnz() / LEAST_SAVING {
-                    factorised.push((operator, Rc::new(along_axes)));
-                }
-            }
-            of_classes(matrix)
-        };
-        let (mass, elastic) = (of_forms(Operator::Mass, &mass), of_forms(Operator::Elastic, &elastic));
+        let mut integrals = Integrals::default();
+        let mut of_forms = |forms: &[Square<2>]| of_classes(points.tensor.matrix_sharing(forms, &mut integrals));
+        let (mass, elastic) = (of_forms(&mass), of_forms(&elastic));
         let mut relaxations = Vec::new();
         if let Some(laminate) = &points.laminate {
-            for (number, (chain, relaxing)) in description.relaxations().into_iter().enumerate() {
+            for (chain, relaxing) in description.relaxations() {
                 let forms = laminate.distortion(&points.geometry, &relaxing);
-                relaxations.push((of_forms(Operator::Distortion(number), &forms), chain.clone()));
+                relaxations.push((of_forms(&forms), chain.clone()));
             }
         }
         let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
@@ -343,7 +322,6 @@ impl Plate {
             local_stress_per_newton: [0.0; 3],
             infinite_plate,
             exchange,
-            factorised,
             translation: even(points.tensor.one(DEFLECTION)),
             is_nearly_incompressible: false,
             multiplicity,

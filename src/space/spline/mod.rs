@@ -151,7 +151,6 @@ impl SplineSolid {
             infinite_plate: None,
             exchange: may_exchange(&geometry, &points).then(|| exchange(&points.tensor, geometry.plane())),
             translation: translation(&points.tensor, description.direction),
-            factorised: Vec::new(),
             is_nearly_incompressible: parts.iter().any(|part| projected(part) > 0.0),
             multiplicity,
             classes: 1,
