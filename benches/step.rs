@@ -53,8 +53,8 @@ fn solve_and_step(mesh: &Mesh) -> [f64; 2] {
     let stage = newmark(0.25, 0.5).stage(STEP);
     let matrix = body.operator(stage.c1, stage.c2).expect("an operator");
     let mut ksp = solver(&mesh.comm, "", &matrix, Method::Cholesky).expect("a solver");
-    let mut x = body.load.duplicate().expect("a vector");
-    let b = &body.localization.vector;
+    let mut x = body.terms.load.duplicate().expect("a vector");
+    let b = &body.terms.contact.force;
     ksp.solve(b, &mut x).expect("a solve");
     let mut times = [const { Vec::new() }; 2];
     let mut begin = None;
@@ -102,8 +102,8 @@ fn basis(mesh: &Mesh) -> [f64; 2] {
     let begin = Instant::now();
     let matrix = body.operator(0.0, shift * shift).expect("an operator");
     let mut ksp = solver(&mesh.comm, "", &matrix, Method::Cholesky).expect("a solver");
-    let mut x = body.load.duplicate().expect("a vector");
-    (0..VECTORS).for_each(|_| ksp.solve(&body.localization.vector, &mut x).expect("a solve"));
+    let mut x = body.terms.load.duplicate().expect("a vector");
+    (0..VECTORS).for_each(|_| ksp.solve(&body.terms.contact.force, &mut x).expect("a solve"));
     [of_basis, begin.elapsed().as_secs_f64()]
 }
 

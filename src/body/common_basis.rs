@@ -138,7 +138,8 @@ fn orthonormal(body: &dyn LinearBody, mut next: Columns, basis: &Columns) -> Res
 fn project(body: &dyn LinearBody, basis: &Columns, rate: f64) -> Result<Projection> {
     let mut projected = Projected::new(body);
     projected.extend(body, basis)?;
-    let projection = projected.projection(body, &body.properties()?, basis, rate)?;
+    let mut projection = projected.projection(body, &body.properties()?, basis, rate)?;
     // No basis vector is the translation.
-    Ok(Projection { translation: projection.translation * 0.0, ..projection })
+    projection.terms.translation.fill(0.0);
+    Ok(projection)
 }

@@ -44,29 +44,21 @@ impl DiagonalSymmetry {
         if !is_plain {
             return None;
         }
-        let option = |matrix: &Option<CsrMatrix<f64>>| match matrix {
-            Some(matrix) => exchange.matrix(matrix).map(Some),
-            None => Some(None),
-        };
-        let relaxations =
-            system.relaxations.iter().map(|(matrix, chain)| Some((exchange.matrix(matrix)?, chain.clone())));
+        let terms = &system.terms;
+        // Linear forms that are only evaluated need no symmetry.
+        let vectors = [&terms.load, &terms.support_load, &terms.contact.force, &terms.translation];
+        if !vectors.into_iter().all(|vector| exchange.keeps(vector)) {
+            return None;
+        }
+        let matrix = |_, matrix: &CsrMatrix<f64>| exchange.matrix(matrix).ok_or(());
         let symmetric = System {
             mass: exchange.matrix(&system.mass)?,
-            elastic: exchange.matrix(&system.elastic)?,
-            relaxations: relaxations.collect::<Option<_>>()?,
-            support: option(&system.support)?,
-            damping: option(&system.damping)?,
+            terms: terms.try_map(matrix, |vector| Ok(exchange.form(vector))).ok()?,
             pads: Vec::new(),
             held: exchange.held(&system.held)?,
-            load: exchange.vector(&system.load)?,
-            support_load: exchange.vector(&system.support_load)?,
-            localization: exchange.vector(&system.localization)?,
-            translation: exchange.vector(&system.translation)?,
-            // Linear forms that are only evaluated need no symmetry.
-            hit_stress: system.hit_stress.iter().map(|form| exchange.form(form)).collect(),
-            infinite_plate: system.infinite_plate.clone(),
             exchange: None,
-            ..*system
+            is_nearly_incompressible: system.is_nearly_incompressible,
+            classes: 1,
         };
         Some((exchange, symmetric))
     }
@@ -88,11 +80,11 @@ impl DiagonalSymmetry {
         sums
     }
 
-    /// Returns Pᵀ f if the vector is symmetric.
-    fn vector(&self, vector: &[f64]) -> Option<Vec<f64>> {
+    /// Whether a vector is symmetric.
+    fn keeps(&self, vector: &[f64]) -> bool {
         let allowed = ROUNDING * vector.iter().fold(0.0_f64, |largest, value| value.abs().max(largest));
         let is_kept = |[first, partner]: &[usize; 2]| (vector[*first] - vector[*partner]).abs() <= allowed;
-        self.pairs.iter().all(is_kept).then(|| self.form(vector))
+        self.pairs.iter().all(is_kept)
     }
 
     /// Returns the constrained coordinates z, if both unknowns of each pair are constrained or both are free.
@@ -185,7 +177,7 @@ mod tests {
         assert!((read.dot(&motion) - DVector::from_row_slice(&form).dot(&whole)).abs() < 1e-15);
         // Matrices, vectors and constraints without the symmetry are rejected.
         assert!(exchange.matrix(&sparse(&symmetric)).is_none());
-        assert!(exchange.vector(&form).is_none() && exchange.vector(whole.as_slice()).is_some());
+        assert!(!exchange.keeps(&form) && exchange.keeps(whole.as_slice()));
         assert!(exchange.held(&[(0, 0.0)]).is_none());
         assert_eq!(exchange.held(&[(3, 0.0), (4, 0.0)]), Some(vec![(2, 0.0)]));
     }

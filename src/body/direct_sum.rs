@@ -3,10 +3,12 @@
 //! Each class is a smaller body with an individual basis, so that vectors are orthogonalised only within their class.
 //! The classes add vectors in turn, which keeps the bases nested ([`Projection::leading`]).
 
+use std::convert::Infallible;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::Columns;
-use super::{DiagonalSymmetry, Krylov, LinearBody, ProjectedRelaxation, Projection, Start};
+use super::{BodyTerms, DiagonalSymmetry, Krylov, LinearBody, Projection, Start};
 use crate::error::Result;
 
 /// A growing basis, with the projection of the body onto it.
@@ -135,44 +137,23 @@ fn sum(parts: &[Projection], class_of: &[usize]) -> Projection {
     let mut numbers = vec![Vec::new(); parts.len()];
     class_of.iter().enumerate().for_each(|(number, &class)| numbers[class].push(number));
     let count = class_of.len();
-    let each = || parts.iter().zip(&numbers);
-    let square = |of: &dyn Fn(&Projection) -> Option<&DMatrix<f64>>| {
+    let matrix = |_, of_parts: &[Option<&DMatrix<f64>>]| {
         let mut sum = DMatrix::zeros(count, count);
-        for (matrix, numbers) in each().filter_map(|(part, numbers)| Some((of(part)?, numbers))) {
+        for (part, numbers) in of_parts.iter().zip(&numbers).filter_map(|(part, numbers)| Some(((*part)?, numbers))) {
             for (j, &column) in numbers.iter().enumerate() {
-                numbers.iter().enumerate().for_each(|(i, &row)| sum[(row, column)] = matrix[(i, j)]);
+                numbers.iter().enumerate().for_each(|(i, &row)| sum[(row, column)] = part[(i, j)]);
             }
         }
-        sum
+        Ok::<_, Infallible>(sum)
     };
-    let vector = |of: &dyn Fn(&Projection) -> &DVector<f64>| {
+    let vector = |of_parts: &[&DVector<f64>]| {
         let mut sum = DVector::zeros(count);
-        for (part, numbers) in each() {
-            numbers.iter().zip(of(part).iter()).for_each(|(&number, value)| sum[number] = *value);
+        for (part, numbers) in of_parts.iter().zip(&numbers) {
+            numbers.iter().zip(part.iter()).for_each(|(&number, value)| sum[number] = *value);
         }
-        sum
+        Ok(sum)
     };
-    let mut hit_stress = DMatrix::zeros(parts[0].hit_stress.nrows(), count);
-    for (part, numbers) in each() {
-        numbers.iter().enumerate().for_each(|(i, &number)| hit_stress.set_column(number, &part.hit_stress.column(i)));
-    }
-    let relaxations = (0..parts[0].relaxations.len()).map(|number| ProjectedRelaxation {
-        distortion: square(&|part| Some(&part.relaxations[number].distortion)),
-        chain: parts[0].relaxations[number].chain.clone(),
-    });
-    let is_damped = parts.iter().any(|part| part.damping.is_some());
-    Projection {
-        elastic: square(&|part| Some(&part.elastic)),
-        relaxations: relaxations.collect(),
-        support: square(&|part| Some(&part.support)),
-        damping: is_damped.then(|| square(&|part| part.damping.as_ref())),
-        force: vector(&|part| &part.force),
-        translation: vector(&|part| &part.translation),
-        hit_stress,
-        load: vector(&|part| &part.load),
-        support_load: vector(&|part| &part.support_load),
-        support_offset: parts.iter().map(|part| part.support_offset).sum(),
-        foundation: None,
-        ..parts[0].clone()
-    }
+    let terms: Vec<_> = parts.iter().map(|part| &part.terms).collect();
+    let Ok(terms) = BodyTerms::try_combine(&terms, matrix, vector, |numbers| numbers.iter().sum());
+    Projection { terms, rate: parts[0].rate, mode_acceleration: parts[0].mode_acceleration, foundation: None }
 }

@@ -20,16 +20,14 @@ impl Body {
         let products = self.products.as_ref();
         match operator {
             Operator::Mass => Some(products.map_or(&self.mass, |[mass, _]| mass)),
-            Operator::Elastic => Some(products.map_or(&self.elastic, |[_, elastic]| elastic)),
-            Operator::Support => self.support.as_ref(),
-            Operator::Damping => self.damping.as_ref(),
-            Operator::Distortion(number) => self.relaxations.get(number).map(|relaxation| &relaxation.distortion),
+            Operator::Elastic => Some(products.map_or(&self.terms.elastic, |[_, elastic]| elastic)),
+            other => self.terms.operator(other),
         }
     }
 
     /// Passes each column to a function, as a PETSc vector.
     fn each(&self, columns: &Columns, mut take: impl FnMut(&Vector) -> Result<()>) -> Result<()> {
-        let mut vector = self.load.duplicate()?;
+        let mut vector = self.terms.load.duplicate()?;
         columns.iter().try_for_each(|column| {
             vector.write()?.copy_from_slice(column);
             take(&vector)
@@ -38,11 +36,12 @@ impl Body {
 
     /// Factorises S at a shift (1/s) without PETSc, if this process has the whole body.
     fn factor(&self, rate: f64, held: &[usize], precision: Precision) -> Result<Direct> {
-        let relaxing = self.relaxations.iter();
+        let relaxing = self.terms.relaxations.iter();
         let relaxing = relaxing.map(|part| (part.chain.transformed_terms(rate), &part.distortion));
-        let terms = [(1.0, &self.elastic), (rate * rate, &self.mass)].into_iter();
-        let supports = self.support.iter().map(|support| (1.0, support));
-        let terms = terms.chain(supports).chain(self.damping.iter().map(|damping| (rate, damping))).chain(relaxing);
+        let terms = [(1.0, &self.terms.elastic), (rate * rate, &self.mass)].into_iter();
+        let supports = self.terms.support.iter().map(|support| (1.0, support));
+        let terms =
+            terms.chain(supports).chain(self.terms.damping.iter().map(|damping| (rate, damping))).chain(relaxing);
         let numbers = |(factor, matrix)| Ok::<_, crate::Error>((factor, numbers_of(matrix, self.unknowns())?));
         let terms = terms.map(numbers).collect::<Result<Vec<_>>>()?;
         let terms: Vec<_> = terms.iter().map(|(factor, matrix)| (*factor, matrix)).collect();
@@ -51,7 +50,7 @@ impl Body {
 
     /// Rows of the constrained unknowns on this rank.
     fn held_here(&self) -> Vec<usize> {
-        let first = self.load.range().start;
+        let first = self.terms.load.range().start;
         self.clamps.rows.iter().map(|row| (row - first) as usize).collect()
     }
 }
@@ -76,25 +75,17 @@ impl LinearBody for Body {
 
     fn properties(&self) -> Result<Properties> {
         let entries = |vector: &Vector| Ok::<_, crate::Error>(vector.read()?.to_vec());
-        let load = entries(&self.load)?;
         let pushed = self.unilateral.iter().flat_map(|foundation| &foundation.loads);
+        let mut terms = self.terms.try_map(|_, _| Ok(()), entries)?;
         Ok(Properties {
-            layout: Columns::new(load.len(), Some(self.comm())),
+            layout: Columns::new(terms.load.len(), Some(self.comm())),
             held: self.held_here(),
             equilibrium: self.equilibrium.as_ref().map(entries).transpose()?,
             pushed: pushed.map(entries).collect::<Result<_>>()?,
-            load,
-            support_load: entries(&self.support_load)?,
-            support_offset: self.support_offset,
-            force: entries(&self.localization.vector)?,
-            compliance: self.localization.compliance,
-            footprint: self.localization.footprint,
-            translation: entries(&self.translation)?,
             is_free: self.is_free()?,
-            hit_stress: self.hit_stress.iter().map(entries).collect::<Result<_>>()?,
-            local_stress_per_newton: self.local_stress_per_newton,
             is_nearly_incompressible: false,
-            multiplicity: self.multiplicity,
+            readings: std::mem::take(&mut terms.readings),
+            terms,
         })
     }
 
@@ -104,7 +95,7 @@ impl LinearBody for Body {
 
     fn apply(&self, operator: Operator, vectors: &Columns) -> Result<Columns> {
         let mut products = vectors.zeros(0);
-        let mut product = self.load.duplicate()?;
+        let mut product = self.terms.load.duplicate()?;
         self.each(vectors, |vector| {
             match (operator, self.matrix(operator)) {
                 (Operator::Mass, _) => self.apply_mass(vector, &mut product)?,
@@ -122,7 +113,7 @@ impl LinearBody for Body {
         if let (Method::Cholesky, None) = (self.method, &self.nodes) {
             return Ok(Solver::Direct(self.factor(rate, &self.held_here(), precision)?));
         }
-        let vectors = [self.load.duplicate()?, self.load.duplicate()?];
+        let vectors = [self.terms.load.duplicate()?, self.terms.load.duplicate()?];
         let operator = self.operator_at_rate(rate)?;
         let is_large = matches!(self.method, Method::Multigrid { .. });
         let expected = if is_large { estimate_cholesky(&operator)? } else { None };
@@ -131,11 +122,11 @@ impl LinearBody for Body {
     }
 
     fn chains(&self) -> Vec<&Maxwell> {
-        self.relaxations.iter().map(|relaxation| &relaxation.chain).collect()
+        self.terms.relaxations.iter().map(|relaxation| &relaxation.chain).collect()
     }
 
     fn infinite_plate(&self) -> Option<&InfinitePlate> {
-        self.infinite_plate.as_ref()
+        self.terms.infinite_plate.as_ref()
     }
 
     fn is_on_foundations(&self) -> bool {

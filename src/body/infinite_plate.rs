@@ -212,7 +212,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     use super::*;
-    use crate::body::{Closed, Projection, Spectrum};
+    use crate::body::{BodyTerms, Closed, ContactPort, Projection, Spectrum, StressReadings};
 
     /// Returns Re Y(iω) of coordinates: Y = s Σ c/(s − λ), with half of each conjugate pair.
     fn mobility(modes: &[Mode], frequency: f64) -> f64 {
@@ -262,24 +262,27 @@ mod tests {
     fn body(modes: &[(f64, f64)], infinite_plate: InfinitePlate) -> Projection {
         let (count, none) = (modes.len(), DVector::zeros(modes.len()));
         Projection {
-            elastic: DMatrix::from_diagonal(&DVector::from_fn(count, |i, _| modes[i].0)),
-            relaxations: Vec::new(),
+            terms: BodyTerms {
+                elastic: DMatrix::from_diagonal(&DVector::from_fn(count, |i, _| modes[i].0)),
+                relaxations: Vec::new(),
+                support: None,
+                damping: None,
+                load: none.clone(),
+                support_load: none.clone(),
+                support_offset: 0.0,
+                contact: ContactPort {
+                    force: DVector::from_fn(count, |i, _| modes[i].1),
+                    compliance: 0.0,
+                    footprint: crate::contact::Footprint::Point,
+                },
+                translation: none,
+                readings: StressReadings::default(),
+                infinite_plate: Some(infinite_plate),
+                multiplicity: 1.0,
+            },
             rate: 0.0,
             mode_acceleration: None,
-            support: DMatrix::zeros(count, count),
-            damping: None,
-            force: DVector::from_fn(count, |i, _| modes[i].1),
-            translation: none.clone(),
-            hit_stress: DMatrix::zeros(0, count),
-            local_stress_per_newton: [0.0; 3],
-            load: none.clone(),
-            support_load: none,
-            support_offset: 0.0,
-            compliance: 0.0,
-            multiplicity: 1.0,
-            footprint: crate::contact::Footprint::Point,
             foundation: None,
-            infinite_plate: Some(infinite_plate),
         }
     }
 

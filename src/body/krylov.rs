@@ -94,7 +94,7 @@ impl Krylov {
         let properties = body.properties()?;
         let Properties { layout, held, equilibrium: rest, pushed, .. } = &properties;
         let is_damped = body.has(Operator::Damping);
-        let mut starts = layout.one(properties.force.clone());
+        let mut starts = layout.one(properties.terms.contact.force.clone());
         // Where a foundation loses or regains contact, its forces move the body.
         pushed.iter().for_each(|pushed| starts.push(pushed));
         // In equilibrium, the loads excite no waves. The basis then only needs the static deflection due to the loads.
@@ -119,7 +119,7 @@ impl Krylov {
             return Err(Fault::new("impactor.point", message, "`model = \"half-space\"`, or another point").into());
         }
         let mut basis = layout.clone();
-        let translation = layout.one(properties.translation.clone());
+        let translation = layout.one(properties.terms.translation.clone());
         // (An antisymmetric class of motions has no translation.)
         let moves = translation.largest() > 0.0;
         let has_translation = moves && rest.is_none() && !is_damped && properties.is_free;
@@ -302,7 +302,7 @@ impl Krylov {
         let mut projection = self.projected.projection(body, &self.properties, &self.basis, self.rate)?;
         let plate = body.infinite_plate().filter(|_| self.leaves_short_waves);
         projection.mode_acceleration = self.mode_acceleration;
-        projection.infinite_plate = plate.map(|plate| plate.clone().with_shifts(self.shifts.len()));
+        projection.terms.infinite_plate = plate.map(|plate| plate.clone().with_shifts(self.shifts.len()));
         Ok(projection)
     }
 }

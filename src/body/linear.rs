@@ -1,14 +1,13 @@
 //! The interface of a linear body for model reduction, for bodies held by one process ([`LocalBody`](super::LocalBody))
 //! or by PETSc ([`Body`](super::Body)).
 
-use crate::contact::Footprint;
 use crate::error::Result;
 use crate::material::Maxwell;
 
 use super::columns::Columns;
 use super::direct::Precision;
 use super::shift::Solver;
-use super::{DiagonalSymmetry, FoundationPoints, InfinitePlate};
+use super::{BodyTerms, DiagonalSymmetry, FoundationPoints, InfinitePlate, StressReadings};
 
 /// Selects one of the symmetric operators of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,38 +34,22 @@ pub struct Properties {
     pub equilibrium: Option<Vec<f64>>,
     /// Load vector of each unilateral foundation for a penetration of 1 m, N.
     pub pushed: Vec<Vec<f64>>,
-    /// Load vector of the body force and the tractions, N.
-    pub load: Vec<f64>,
-    /// ∫ k ū·v dS of the elastic supports, N.
-    pub support_load: Vec<f64>,
-    /// ½ ∫ k ū·ū dS of the elastic supports, J.
-    pub support_offset: f64,
-    /// Contact force vector a of a force of 1 N.
-    pub force: Vec<f64>,
-    /// Local compliance c_l of the contact law, m/N.
-    pub compliance: f64,
-    /// Distribution of the contact force on the surface.
-    pub footprint: Footprint,
-    /// Rigid translation of the whole body by one unit in the impactor's direction.
-    pub translation: Vec<f64>,
-    /// Whether nothing resists this translation.
+    /// Vectors and numbers of the terms; which operators there are. Without readings.
+    pub terms: BodyTerms<(), Vec<f64>>,
+    /// Stresses that are read.
+    pub readings: StressReadings<Vec<f64>>,
+    /// Whether nothing resists a translation along the impactor's direction.
     pub is_free: bool,
-    /// Same as [`System::hit_stress`](super::System::hit_stress).
-    pub hit_stress: Vec<Vec<f64>>,
-    /// Same as [`System::local_stress_per_newton`](super::System::local_stress_per_newton).
-    pub local_stress_per_newton: [f64; 3],
     /// Same as [`System::is_nearly_incompressible`](super::System::is_nearly_incompressible).
     pub is_nearly_incompressible: bool,
-    /// Number of such bodies that form the whole.
-    pub multiplicity: f64,
 }
 
 impl Properties {
     /// Returns the load vector of all loads, N, if they excite waves: if the motion does not start from equilibrium.
     /// Collective.
     pub(super) fn sudden_loads(&self) -> Option<Columns> {
-        let mut loads = self.layout.one(self.load.clone());
-        loads.add(1.0, &self.layout.one(self.support_load.clone()));
+        let mut loads = self.layout.one(self.terms.load.clone());
+        loads.add(1.0, &self.layout.one(self.terms.support_load.clone()));
         Some(loads).filter(|loads| self.equilibrium.is_none() && loads.largest() > 0.0)
     }
 }

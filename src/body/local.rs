@@ -57,13 +57,9 @@ impl LocalBody {
     }
 
     fn matrix(&self, operator: Operator) -> Option<&CsrMatrix<f64>> {
-        let System { mass, elastic, relaxations, support, damping, .. } = &self.system;
         match operator {
-            Operator::Mass => Some(mass),
-            Operator::Elastic => Some(elastic),
-            Operator::Support => support.as_ref(),
-            Operator::Damping => damping.as_ref(),
-            Operator::Distortion(number) => relaxations.get(number).map(|(distortion, _)| distortion),
+            Operator::Mass => Some(&self.system.mass),
+            other => self.system.terms.operator(other),
         }
     }
 
@@ -85,30 +81,23 @@ impl LocalBody {
 
 impl LinearBody for LocalBody {
     fn unknowns(&self) -> usize {
-        self.system.load.len()
+        self.system.unknowns()
     }
 
     fn properties(&self) -> Result<Properties> {
-        let system = &self.system;
+        let System { terms, is_nearly_incompressible, .. } = &self.system;
         let held = self.held();
-        let is_held = held.iter().any(|unknown| system.translation[*unknown] != 0.0);
+        let is_held = held.iter().any(|unknown| terms.translation[*unknown] != 0.0);
+        let mut terms = terms.map(|_, _| (), Vec::clone);
         Ok(Properties {
             layout: Columns::new(self.unknowns(), None),
             held,
             equilibrium: None,
             pushed: Vec::new(),
-            load: system.load.clone(),
-            support_load: system.support_load.clone(),
-            support_offset: system.support_offset,
-            force: system.localization.clone(),
-            compliance: system.compliance,
-            footprint: system.footprint,
-            translation: system.translation.clone(),
-            is_free: system.support.is_none() && !is_held,
-            hit_stress: system.hit_stress.clone(),
-            local_stress_per_newton: system.local_stress_per_newton,
-            is_nearly_incompressible: system.is_nearly_incompressible,
-            multiplicity: system.multiplicity,
+            is_free: terms.support.is_none() && !is_held,
+            is_nearly_incompressible: *is_nearly_incompressible,
+            readings: std::mem::take(&mut terms.readings),
+            terms,
         })
     }
 
@@ -122,8 +111,8 @@ impl LinearBody for LocalBody {
     }
 
     fn solver(&self, rate: f64, precision: Precision) -> Result<Solver> {
-        let relaxing = self.system.relaxations.iter();
-        let relaxing = relaxing.map(|(distortion, chain)| (chain.transformed_terms(rate), distortion));
+        let relaxing = self.system.terms.relaxations.iter();
+        let relaxing = relaxing.map(|part| (part.chain.transformed_terms(rate), &part.distortion));
         let factor = |operator: Operator, factor: f64| self.matrix(operator).map(|matrix| (factor, matrix));
         let terms = [
             factor(Operator::Elastic, 1.0),
@@ -136,11 +125,11 @@ impl LinearBody for LocalBody {
     }
 
     fn chains(&self) -> Vec<&Maxwell> {
-        self.system.relaxations.iter().map(|(_, chain)| chain).collect()
+        self.system.terms.relaxations.iter().map(|part| &part.chain).collect()
     }
 
     fn infinite_plate(&self) -> Option<&InfinitePlate> {
-        self.system.infinite_plate.as_ref()
+        self.system.terms.infinite_plate.as_ref()
     }
 
     fn is_on_foundations(&self) -> bool {

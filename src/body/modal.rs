@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use super::Projection;
 use super::modes::{Closed, Modes, Spectrum};
+use super::{BodyTerms, ContactPort, Projection};
 use crate::contact::Footprint;
 use crate::error::{Error, Result};
 use crate::material::Maxwell;
@@ -57,17 +57,19 @@ impl ModalBody {
 
     /// Creates a body from its projection onto a basis.
     pub fn of(projection: &Projection) -> Self {
-        let Projection { compliance, multiplicity, footprint, .. } = *projection;
-        let source = Source::Spectrum(Box::new(Spectrum::new(projection)));
-        let relaxing = (!projection.relaxations.is_empty()).then(|| Box::new(projection.clone()));
-        Self { source, relaxing, known: RefCell::default(), compliance, multiplicity, footprint }
+        let relaxing = (!projection.terms.relaxations.is_empty()).then(|| Box::new(projection.clone()));
+        Self { relaxing, ..Self::of_spectrum(Spectrum::new(projection), projection) }
     }
 
     /// Creates a body from its projection onto a basis, with the frequency ω (rad/s) of each vibration multiplied by
     /// `ratio` of it. Viscoelastic parts have their moduli at the shift of the basis.
     pub fn retuned(projection: &Projection, ratio: impl Fn(f64) -> f64) -> Self {
-        let Projection { compliance, multiplicity, footprint, .. } = *projection;
-        let source = Source::Spectrum(Box::new(Spectrum::new(projection).retuned(ratio)));
+        Self::of_spectrum(Spectrum::new(projection).retuned(ratio), projection)
+    }
+
+    fn of_spectrum(spectrum: Spectrum, projection: &Projection) -> Self {
+        let BodyTerms { multiplicity, contact: ContactPort { compliance, footprint, .. }, .. } = projection.terms;
+        let source = Source::Spectrum(Box::new(spectrum));
         Self { source, relaxing: None, known: RefCell::default(), compliance, multiplicity, footprint }
     }
 
@@ -78,7 +80,8 @@ impl ModalBody {
     /// [`Error::Solve`] if the numbers of series and of viscoelastic parts differ. This happens because two materials
     /// may have equal series at one temperature only.
     pub fn with_chains(&self, chains: &[Maxwell]) -> Result<Option<Self>> {
-        let own = self.relaxing.iter().flat_map(|projection| projection.relaxations.iter().map(|part| &part.chain));
+        let own =
+            self.relaxing.iter().flat_map(|projection| projection.terms.relaxations.iter().map(|part| &part.chain));
         let count = own.clone().count();
         if count != chains.len() {
             let message = format!("a basis for {count} relaxing materials does not serve {}", chains.len());

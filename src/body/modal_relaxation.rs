@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::ProjectedRelaxation;
+use super::Relaxation;
 use super::relaxing_directions::{Directions, left_out};
 use crate::material::{Maxwell, Term};
 
@@ -26,9 +26,9 @@ pub struct ModalRelaxation {
 impl ModalRelaxation {
     /// Projects a viscoelastic part onto modes (columns of `vectors`), which were computed with the modulus at a rate
     /// (1/s).
-    pub fn new(part: &ProjectedRelaxation, vectors: &DMatrix<f64>, rate: f64) -> Self {
-        let part = part.on(|distortion| vectors.tr_mul(&(distortion * vectors)));
-        Self { distortion: part.distortion, directions: None, chain: part.chain, rate }
+    pub fn new(part: &Relaxation<DMatrix<f64>>, vectors: &DMatrix<f64>, rate: f64) -> Self {
+        let distortion = vectors.tr_mul(&(&part.distortion * vectors));
+        Self { distortion, directions: None, chain: part.chain.clone(), rate }
     }
 
     /// Restricts the part to some of the modes.

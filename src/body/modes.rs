@@ -231,9 +231,9 @@ impl Spectrum {
         };
         let along = |v: &DVector<f64>| vectors.tr_mul(v);
         let on = |m: &DMatrix<f64>| vectors.transpose() * (m * &vectors);
-        let of_relaxations = projection.relaxations.iter().filter(|part| !part.chain.terms.is_empty());
+        let of_relaxations = projection.terms.relaxations.iter().filter(|part| !part.chain.terms.is_empty());
         let of_relaxations = of_relaxations.map(|part| ModalRelaxation::new(part, &vectors, projection.rate));
-        let mut force = along(&projection.force);
+        let mut force = along(&projection.terms.contact.force);
         let short_waves = ShortWaves::new(projection, &squares, &force);
         if let Some(ShortWaves { weights, .. }) = &short_waves {
             force.component_mul_assign(weights);
@@ -247,23 +247,29 @@ impl Spectrum {
             stiffened: (0..squares.len()).rev().find(is_stiffened).map_or(0, |last| last + 1),
             squares,
             force,
-            load: along(&projection.load),
-            support_load: along(&projection.support_load),
-            support: semidefinite_factor_times(&projection.support, &vectors),
-            damping: projection.damping.as_ref().map(on),
+            load: along(&projection.terms.load),
+            support_load: along(&projection.terms.support_load),
+            support: match &projection.terms.support {
+                Some(support) => semidefinite_factor_times(support, &vectors),
+                None => DMatrix::zeros(0, vectors.ncols()),
+            },
+            damping: projection.terms.damping.as_ref().map(on),
             relaxations: of_relaxations.collect(),
             rate: projection.rate,
-            relaxes: projection.relaxations.iter().any(|part| {
+            relaxes: projection.terms.relaxations.iter().any(|part| {
                 let chain = &part.chain;
                 chain.transformed_terms(projection.rate)
                     > LARGEST_VISCOELASTIC_PART * chain.transformed(projection.rate)
             }),
-            support_offset: projection.support_offset,
+            support_offset: projection.terms.support_offset,
             foundation,
             vectors,
             acceleration,
-            hit_stress: projection.hit_stress.clone(),
-            local_stress_per_newton: projection.local_stress_per_newton,
+            hit_stress: {
+                let forms = &projection.terms.readings.forms;
+                DMatrix::from_fn(forms.len(), projection.vectors(), |form, vector| forms[form][vector])
+            },
+            local_stress_per_newton: projection.terms.readings.local_per_newton,
             short_waves,
         }
     }
@@ -465,7 +471,7 @@ impl ModeAcceleration {
         let (all, of_all) = symmetric_eigen(stiffness);
         let mut at_rest = DVector::zeros(count);
         for (shape, square) in of_all.column_iter().zip(&all).filter(|(_, square)| **square > ROUNDING * all.max()) {
-            at_rest.axpy(shape.dot(&projection.force) / square, &shape, 1.0);
+            at_rest.axpy(shape.dot(&projection.terms.contact.force) / square, &shape, 1.0);
         }
         (squares, vectors, Some(Self { shapes, at_rest }))
     }

@@ -1,12 +1,11 @@
 //! A linear body with its pads, as PETSc operators for time stepping, factorisation and model reduction.
 
-use petsc_wrap::{Comm, Ksp, Matrix, NullSpace, Vector};
+use petsc_wrap::{Comm, Int, Ksp, Matrix, NullSpace, Vector};
 
-use crate::contact::Localization;
 use crate::error::Result;
 use crate::solve::linear::{Method, solver, solver_of_nodes};
 
-use super::{Clamps, InfinitePlate, Lumped, Pads, Relaxation, Unilateral};
+use super::{BodyTerms, Clamps, Lumped, Pads, Relaxation, Unilateral};
 
 /// Relative residual at which an iterative solution with M stops.
 const MASS_SOLVE_TOLERANCE: f64 = 1e-12;
@@ -17,17 +16,13 @@ const MASS_SOLVE_TOLERANCE: f64 = 1e-12;
 pub struct Body {
     /// Mass matrix M, kg.
     pub mass: Matrix,
-    /// Stiffness K of the elastic body alone, N/m. Viscoelastic parts contribute their fully relaxed stiffness.
-    pub elastic: Matrix,
-    /// Viscoelastic parts, in addition to the elastic K.
-    pub relaxations: Vec<Relaxation>,
+    /// Operators, loads, contact port and readings.
+    pub terms: BodyTerms<Matrix, Vector>,
+    /// The nonzero entries of the contact force vector a by ascending global index, the same on all ranks.
+    pub contact_entries: Vec<(Int, f64)>,
     /// Copies of M and K that need less memory traffic in products: stored by node, or as an upper triangle. If `None`,
     /// the matrices themselves are used.
     pub(crate) products: Option<[Matrix; 2]>,
-    /// Stiffness K of the elastic supports (11), N/m.
-    pub support: Option<Matrix>,
-    /// Damping matrix C of the dampers (13), N s/m.
-    pub damping: Option<Matrix>,
     /// Diagonal replacements of M and C, if the time integration is explicit.
     pub lumped: Option<Lumped>,
     /// One-sided foundation pads (12).
@@ -38,34 +33,16 @@ pub struct Body {
     pub clamps: Clamps,
     /// Static displacement u under loads, supports and pads, if the motion starts from equilibrium.
     pub equilibrium: Option<Vector>,
-    /// Load vector of the body force and the tractions, N.
-    pub load: Vector,
-    /// ∫ k ū·v dS of the elastic supports, N.
-    pub support_load: Vector,
-    /// ½ ∫ k ū·ū dS of the elastic supports, J.
-    pub support_offset: f64,
-    /// Contact force vector a at the impact point, with the local compliance.
-    pub localization: Localization,
     /// Solution method for systems with the body's operators.
     pub method: Method,
     /// Rigid-body motions, the near null space for multigrid. Present if the body has enough unknowns for multigrid.
     pub(crate) rigid_motions: Option<NullSpace>,
-    /// Same as [`System::hit_stress`](super::System::hit_stress).
-    pub hit_stress: Vec<Vector>,
-    /// Same as [`System::local_stress_per_newton`](super::System::local_stress_per_newton).
-    pub local_stress_per_newton: [f64; 3],
-    /// Rigid translation of the whole body by one unit in the impactor's direction.
-    pub translation: Vector,
-    /// Same as [`System::infinite_plate`](super::System::infinite_plate).
-    pub infinite_plate: Option<InfinitePlate>,
     /// Pseudo-random numbers similar to independent normal deviates, equal on any number of ranks. Start vector of
     /// iterations.
     pub deviates: Vector,
     /// Positions of this rank's nodes (m), three unknowns each. `None` for a body without a mesh, which every rank
     /// stores completely.
     pub nodes: Option<Vec<[f64; 3]>>,
-    /// Number of such bodies that form the whole: 1, or 4 for a quarter of a symmetric box.
-    pub multiplicity: f64,
     /// Uncoupled symmetry classes of motions as separate bodies, each a consecutive block of the unknowns. Empty if
     /// there is only one class.
     pub classes: Vec<Body>,
@@ -79,7 +56,7 @@ impl Body {
 
     /// Number of unknowns on all ranks.
     pub fn unknowns(&self) -> usize {
-        self.load.len()
+        self.terms.load.len()
     }
 
     /// Returns a solver for an operator of the body ([`Self::operator`]). Collective.
@@ -112,7 +89,7 @@ impl Body {
     pub fn step_method(&self, c2: f64) -> Result<Method> {
         match self.method {
             Method::Multigrid { .. } => {
-                Ok(self.method.for_stiffness(self.elastic.trace()? / (c2 * self.mass.trace()?)))
+                Ok(self.method.for_stiffness(self.terms.elastic.trace()? / (c2 * self.mass.trace()?)))
             }
             method => Ok(method),
         }
@@ -141,7 +118,7 @@ impl Body {
     /// # Errors
     /// If a PETSc call fails.
     pub fn is_free(&self) -> Result<bool> {
-        Ok(self.support.is_none() && self.pads.is_none() && !self.is_translation_held()?)
+        Ok(self.terms.support.is_none() && self.pads.is_none() && !self.is_translation_held()?)
     }
 
     /// Whether clamps prevent this translation. Collective.
@@ -149,10 +126,10 @@ impl Body {
     /// # Errors
     /// If a PETSc call fails.
     pub fn is_translation_held(&self) -> Result<bool> {
-        let mut held = self.translation.duplicate()?;
-        held.copy_from(&self.translation)?;
+        let mut held = self.terms.translation.duplicate()?;
+        held.copy_from(&self.terms.translation)?;
         self.clamps.zero(&mut held)?;
-        held.axpy(-1.0, &self.translation)?;
+        held.axpy(-1.0, &self.terms.translation)?;
         Ok(held.norm_max()? != 0.0)
     }
 
@@ -176,7 +153,7 @@ impl Body {
     /// # Errors
     /// If a PETSc call fails.
     pub fn apply_elastic(&self, u: &Vector, out: &mut Vector) -> Result<()> {
-        Ok(self.products.as_ref().map_or(&self.elastic, |[_, elastic]| elastic).mult(u, out)?)
+        Ok(self.products.as_ref().map_or(&self.terms.elastic, |[_, elastic]| elastic).mult(u, out)?)
     }
 
     /// Computes out ← C v, with the lumped C if the time integration is explicit. Leaves `out` unchanged without
@@ -185,7 +162,7 @@ impl Body {
     /// # Errors
     /// If a PETSc call fails.
     pub fn apply_damping(&self, v: &Vector, out: &mut Vector) -> Result<()> {
-        match (&self.lumped, &self.damping) {
+        match (&self.lumped, &self.terms.damping) {
             (Some(Lumped { damping: Some(diagonal), .. }), _) => {
                 out.copy_from(v)?;
                 out.pointwise_mult(diagonal)?;
@@ -201,12 +178,12 @@ impl Body {
     /// # Errors
     /// If a PETSc call fails.
     pub fn combination(&self, c1: f64, c2: f64) -> Result<Matrix> {
-        let mut sum = self.elastic.duplicate()?;
+        let mut sum = self.terms.elastic.duplicate()?;
         sum.axpy(c2, &self.mass)?;
-        if let Some(support) = &self.support {
+        if let Some(support) = &self.terms.support {
             sum.axpy(1.0, support)?;
         }
-        if let Some(damping) = &self.damping {
+        if let Some(damping) = &self.terms.damping {
             sum.axpy(c1, damping)?;
         }
         Ok(sum)
@@ -228,7 +205,7 @@ impl Body {
     /// If a PETSc call fails.
     pub fn operator_of_step(&self, step: f64, c1: f64, c2: f64) -> Result<Matrix> {
         let mut matrix = self.combination(c1, c2)?;
-        for relaxation in &self.relaxations {
+        for relaxation in &self.terms.relaxations {
             matrix.axpy(relaxation.stiffness(step), &relaxation.distortion)?;
         }
         self.without_held(matrix)
@@ -244,7 +221,7 @@ impl Body {
         match (&mut self.pads, u) {
             (Some(pads), Some(u)) => pads.add_tangent(None, u, 1.0, &mut matrix)?,
             (Some(pads), None) => {
-                let mut idle = self.load.duplicate()?;
+                let mut idle = self.terms.load.duplicate()?;
                 pads.add_springs(&mut matrix, &mut idle)?;
             }
             (None, _) => {}
@@ -261,5 +238,18 @@ impl Body {
             matrix.set_near_null_space(motions)?;
         }
         Ok(matrix)
+    }
+
+    /// Assembles S(s) = K + G̃(s) D + s C + s² M without the constrained unknowns: the operator of the
+    /// Laplace-transformed motion at a shift s (1/s). Collective.
+    ///
+    /// # Errors
+    /// If a PETSc call fails.
+    pub fn operator_at_rate(&self, rate: f64) -> Result<Matrix> {
+        let mut matrix = self.combination(rate, rate * rate)?;
+        for Relaxation { distortion, chain } in &self.terms.relaxations {
+            matrix.axpy(chain.transformed_terms(rate), distortion)?;
+        }
+        self.without_held(matrix)
     }
 }

@@ -1,10 +1,10 @@
 //! Projection of a body's operators onto a growing basis.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::columns::Columns;
 use super::linear::{LinearBody, Operator, Properties};
-use super::{ProjectedRelaxation, Projection};
+use super::{FoundationPoints, Projection};
 use crate::error::Result;
 
 /// Number of vectors multiplied by an operator at a time.
@@ -67,40 +67,36 @@ impl Projected {
         basis: &Columns,
         rate: f64,
     ) -> Result<Projection> {
-        let get = |wanted: Operator| self.0.iter().find(|(operator, _)| *operator == wanted).map(|(_, of)| of.clone());
-        let none = || DMatrix::zeros(basis.count(), basis.count());
-        let relaxing = body.chains().into_iter().enumerate().map(|(number, chain)| ProjectedRelaxation {
-            distortion: get(Operator::Distortion(number)).unwrap_or_else(none),
-            chain: chain.clone(),
-        });
+        let Properties { terms, readings, is_free, .. } = properties;
+        let matrix = |wanted: Operator, (): &()| {
+            let known = self.0.iter().find(|(operator, _)| *operator == wanted);
+            let mut matrix = known.map_or_else(|| DMatrix::zeros(basis.count(), basis.count()), |(_, of)| of.clone());
+            basis.agree(matrix.as_mut_slice());
+            matrix
+        };
+        let agreed = |mut vector: DVector<f64>| {
+            basis.agree(vector.as_mut_slice());
+            vector
+        };
+        let mut terms = terms.map(matrix, |vector| agreed(basis.along(vector)));
         // Only the basis of a free body contains the translation, which K maps to zero.
-        let momentum = if properties.is_free {
-            body.apply(Operator::Mass, &basis.one(properties.translation.clone()))?
-        } else {
-            basis.zeros(1)
+        terms.translation = match is_free {
+            true => {
+                let momentum = body.apply(Operator::Mass, &basis.one(properties.terms.translation.clone()))?;
+                agreed(basis.along(momentum.get(0)))
+            }
+            false => DVector::zeros(basis.count()),
         };
-        let hit_stress = basis.along_sparse(&properties.hit_stress);
-        let mut projection = Projection {
-            elastic: get(Operator::Elastic).unwrap_or_else(none),
-            relaxations: relaxing.collect(),
-            rate,
-            mode_acceleration: None,
-            support: get(Operator::Support).unwrap_or_else(none),
-            damping: get(Operator::Damping),
-            force: basis.along(&properties.force),
-            translation: basis.along(momentum.get(0)),
-            hit_stress,
-            local_stress_per_newton: properties.local_stress_per_newton,
-            load: basis.along(&properties.load),
-            support_load: basis.along(&properties.support_load),
-            support_offset: properties.support_offset,
-            compliance: properties.compliance,
-            multiplicity: properties.multiplicity,
-            footprint: properties.footprint,
-            foundation: body.foundation(basis)?,
-            infinite_plate: None,
-        };
-        projection.numbers().for_each(|numbers| basis.agree(numbers));
-        Ok(projection)
+        let forms = basis.along_sparse(&readings.forms);
+        terms.readings.forms = forms.row_iter().map(|form| agreed(form.transpose())).collect();
+        terms.readings.local_per_newton = readings.local_per_newton;
+        for number in [&mut terms.support_offset, &mut terms.contact.compliance] {
+            basis.agree(std::slice::from_mut(number));
+        }
+        basis.agree(&mut terms.readings.local_per_newton);
+        terms.infinite_plate = None;
+        let mut foundation = body.foundation(basis)?;
+        foundation.iter_mut().flat_map(FoundationPoints::numbers).for_each(|numbers| basis.agree(numbers));
+        Ok(Projection { terms, rate, mode_acceleration: None, foundation })
     }
 }

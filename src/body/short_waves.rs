@@ -35,13 +35,13 @@ impl ShortWaves {
     /// Returns the short waves left out by modes with these ω² and this Vᵀa; `None` if the projection has no infinite
     /// plate.
     pub fn new(projection: &Projection, squares: &DVector<f64>, force: &DVector<f64>) -> Option<Self> {
-        let plate = projection.infinite_plate.as_ref()?;
+        let plate = projection.terms.infinite_plate.as_ref()?;
         let cutoff = plate.cutoff(projection.vectors());
         let weights = squares.map(|square| weight(square.max(0.0).sqrt(), cutoff));
         let acting = weights.iter().filter(|weight| **weight > 0.0).count();
         // The modes below ω_c contain the vibrations that tensions need. But relaxation changes their shapes, for which
         // the modes above are needed.
-        let relaxes = projection.relaxations.iter().any(|part| !part.chain.terms.is_empty());
+        let relaxes = projection.terms.relaxations.iter().any(|part| !part.chain.terms.is_empty());
         let (kept, least) = if relaxes { (weights.len(), READ_ONLY) } else { (acting, 0.0) };
         Some(Self {
             coordinates: plate.short_waves(cutoff),

@@ -53,14 +53,14 @@ impl Body {
     /// If a PETSc call fails.
     pub fn take_pads_as_springs(&mut self) -> Result<()> {
         let Some(mut pads) = self.pads.take() else { return Ok(()) };
-        let mut springs = self.elastic.duplicate()?;
-        springs.axpy(-1.0, &self.elastic)?;
-        if let Some(support) = &self.support {
+        let mut springs = self.terms.elastic.duplicate()?;
+        springs.axpy(-1.0, &self.terms.elastic)?;
+        if let Some(support) = &self.terms.support {
             springs.axpy(1.0, support)?;
         }
-        self.support_offset += pads.add_springs(&mut springs, &mut self.support_load)?;
+        self.terms.support_offset += pads.add_springs(&mut springs, &mut self.terms.support_load)?;
         springs.assemble()?;
-        self.support = Some(springs);
+        self.terms.support = Some(springs);
         let points = pads.points();
         let places = points.places;
         let [stiffness, offsets] = [points.weights, points.offsets].map(DVector::from_vec);
@@ -71,7 +71,7 @@ impl Body {
             }
             None => None,
         };
-        let loads = pads.loads(&self.load)?;
+        let loads = pads.loads(&self.terms.load)?;
         self.unilateral = Some(Unilateral { pads: RefCell::new(pads), stiffness, offsets, places, resting, loads });
         Ok(())
     }

@@ -36,7 +36,7 @@ pub struct ImpactParameters {
 impl ImpactParameters {
     /// Returns the parameters of an impactor on a body.
     pub fn new(impactor: &scene::Impactor, body: &Body) -> Self {
-        Self::of(impactor, body.multiplicity, (body.localization.compliance, body.localization.footprint))
+        Self::of(impactor, body.terms.multiplicity, (body.terms.contact.compliance, body.terms.contact.footprint))
     }
 
     /// Returns the parameters of an impactor on one of `multiplicity` parts of a body. `compliance` is c_l of Hertz's law on

@@ -100,7 +100,7 @@ impl Reader {
     /// # Errors
     /// If a PETSc call fails.
     pub(super) fn new(body: &Body, readout: &Readout) -> Result<Self> {
-        let gather = |columns: &[Int]| Gather::new(&body.load, columns);
+        let gather = |columns: &[Int]| Gather::new(&body.terms.load, columns);
         Ok(Self {
             probes: match &readout.probes {
                 Some(probes) => Some((gather(&probes.columns)?, probes.clone())),

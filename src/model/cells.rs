@@ -84,7 +84,7 @@ const LARGEST_REFINED_COST: f64 = 4e9;
 impl Fitted {
     /// Number of basis vectors on which cells are compared.
     fn compared(&self) -> usize {
-        match &self.reduced.projection.infinite_plate {
+        match &self.reduced.projection.terms.infinite_plate {
             Some(_) => self.reduced.counts()[0],
             None => self.reduced.projection.vectors().min(MAX_COMPARED_VECTORS),
         }

@@ -76,7 +76,7 @@ impl Found {
 /// large.
 fn vectors(reduced: &Reduced, scene: &Scene) -> [usize; 2] {
     let [fewer, more] = reduced.counts();
-    if reduced.projection.infinite_plate.is_some() {
+    if reduced.projection.terms.infinite_plate.is_some() {
         return [fewer, more];
     }
     if reduced.rule == ErrorRule::default() {

@@ -125,7 +125,7 @@ impl Dynamics {
     /// Distribution of the contact force on the surface.
     pub fn footprint(&self) -> Footprint {
         match self {
-            Self::Stepped(body) => body.localization.footprint,
+            Self::Stepped(body) => body.terms.contact.footprint,
             Self::Modal(body) => body.footprint,
         }
     }
@@ -204,7 +204,7 @@ impl Model {
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, size, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_untouched) = (projection.vectors(), !force.0.has_contact());
-        let leaves_short_waves = projection.infinite_plate.is_some();
+        let leaves_short_waves = projection.terms.infinite_plate.is_some();
         let cells = cells.map(|error| {
             let (evaluator, force) = (evaluator.as_ref(), Some(&force.0));
             [with_averaging(evaluator, force, error), local_field_errors(scene, theory, evaluator, force)]
@@ -299,6 +299,6 @@ pub fn is_quickly_reduced_again(scene: &Scene, theory: scene::Model, unknowns: u
 /// Whether a second model of a plate or a spline solid, on a basis with a low shift, is possible and cheap.
 fn may_lower_shift(scene: &Scene, theory: scene::Model, Fitted { reduced, unknowns, cells, .. }: &Fitted) -> bool {
     // Bases whose short waves are treated separately have all slow vibrations.
-    let has_all_waves = reduced.projection.infinite_plate.is_none();
+    let has_all_waves = reduced.projection.terms.infinite_plate.is_none();
     has_all_waves && cells.is_some() && is_quickly_reduced_again(scene, theory, *unknowns, reduced.projection.vectors())
 }

@@ -228,7 +228,7 @@ pub fn reduce_from(
                 if let Some(judge) = judged.or(tried.len().checked_sub(1).filter(|_| enough)) {
                     let Tried { vectors: smaller, trial: judge } = &mut tried[judge];
                     failed = is_smaller_used.then_some(*smaller);
-                    let plate = projection.infinite_plate.clone();
+                    let plate = projection.terms.infinite_plate.clone();
                     let plate = plate.as_ref();
                     let unknowns = body.unknowns();
                     let rule =

@@ -146,7 +146,7 @@ pub fn build(&Making { comm, watch, .. }: &Making, scene: &Scene, theory: Model,
             let body = Body::solid(scene, &mesh)?;
             let discretisation = format!("{} cells of order {}", mesh.total_cells, scene.body.order);
             let measures = matches!(scene.body.geometry, Geometry::Gmsh(_)).then(|| mesh.measures(&scene.impactor));
-            let patch = body.localization.footprint.patch();
+            let patch = body.terms.contact.footprint.patch();
             let whole = if scene.output.is_read() { mesh.gather() } else { None };
             drop(mesh);
             comm.collect_garbage()?;
@@ -295,7 +295,7 @@ fn evaluator_of_grid(scene: &Scene, points: impl PointEvaluator + 'static, syste
     let read = evaluator.as_ref().filter(|_| scene.output.stress).and_then(|evaluator| evaluator.hit_stress(scene));
     if let (Some((mut forms, local)), Some(evaluator)) = (read, &evaluator) {
         forms.extend(evaluator.watched_stresses(scene));
-        (system.hit_stress, system.local_stress_per_newton) = (forms, local);
+        (system.terms.readings.forms, system.terms.readings.local_per_newton) = (forms, local);
     }
     evaluator
 }

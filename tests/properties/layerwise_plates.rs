@@ -29,7 +29,7 @@ fn navier_layerwise() {
         let errors = [2.0, 1.0].map(|cell_size_factor| {
             let plate = plate(&scene, PlateTheory::Layerwise, cell_size_factor);
             let laminate = plate.laminate.as_ref().unwrap();
-            assert_eq!(plate.system.compliance, -4.0 * laminate.compliance);
+            assert_eq!(plate.system.terms.contact.compliance, -4.0 * laminate.compliance);
             let (theory, spread) = laminate.infinite();
             let exact = series([0.9, 0.7], 500, |xi| {
                 theory.face_deflection(&theory.wave(xi)) * spread.square(xi * laminate.radius)
@@ -48,8 +48,8 @@ fn softer_interlayers_let_plies_slide() {
     let yields = |soft: &str| {
         let scene = laminate([0.9, 0.7], [0.01, 0.001, 0.01], &format!("{soft}\ndensity = 2500.0"));
         let plate = plate(&scene, PlateTheory::Layerwise, 1.0);
-        let deflection = a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.localization));
-        (deflection / plate.system.multiplicity, plate.laminate.unwrap().compliance)
+        let deflection = a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.terms.contact.force));
+        (deflection / plate.system.terms.multiplicity, plate.laminate.unwrap().compliance)
     };
     let one = plate(&scene("size = [0.9, 0.7, 0.021]", "", &navier()), PlateTheory::Mindlin, 1.0);
     let whole = answer(&one, 0.0) + one.local.unwrap().compliance;

@@ -16,12 +16,12 @@ const SCENE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsiz
 
 /// The static displacement under a force of 1 N on the whole plate.
 fn at_rest(system: &System) -> Vec<f64> {
-    let n = system.localization.len();
+    let n = system.terms.contact.force.len();
     let mut stiffness = DMatrix::zeros(n, n);
-    for matrix in [Some(&system.elastic), system.support.as_ref()].into_iter().flatten() {
+    for matrix in [Some(&system.terms.elastic), system.terms.support.as_ref()].into_iter().flatten() {
         matrix.triplet_iter().for_each(|(i, j, value)| stiffness[(i, j)] += value);
     }
-    let mut force = DVector::from_iterator(n, system.localization.iter().map(|a| a / system.multiplicity));
+    let mut force = DVector::from_iterator(n, system.terms.contact.force.iter().map(|a| a / system.terms.multiplicity));
     for &(i, _) in &system.held {
         stiffness.row_mut(i).fill(0.0);
         stiffness.column_mut(i).fill(0.0);

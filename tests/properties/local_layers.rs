@@ -35,16 +35,16 @@ fn scene(rest: &str) -> Scene {
 
 /// The static displacement under a force of 1 N on the whole body.
 fn at_rest(system: &System) -> Vec<f64> {
-    let n = system.localization.len();
+    let n = system.terms.contact.force.len();
     let held: Vec<bool> = (0..n).map(|i| system.held.iter().any(|(j, _)| *j == i)).collect();
     let mut entries: Vec<Triplet<usize, usize, f64>> =
         (0..n).filter(|i| held[*i]).map(|i| Triplet::new(i, i, 1.0)).collect();
-    for matrix in [Some(&system.elastic), system.support.as_ref()].into_iter().flatten() {
+    for matrix in [Some(&system.terms.elastic), system.terms.support.as_ref()].into_iter().flatten() {
         let free = matrix.triplet_iter().filter(|(i, j, _)| !held[*i] && !held[*j]);
         entries.extend(free.map(|(i, j, value)| Triplet::new(i, j, *value)));
     }
     let stiffness = SparseColMat::try_new_from_triplets(n, n, &entries).expect("a matrix");
-    let force = |i: usize| if held[i] { 0.0 } else { system.localization[i] / system.multiplicity };
+    let force = |i: usize| if held[i] { 0.0 } else { system.terms.contact.force[i] / system.terms.multiplicity };
     let u = stiffness.sp_cholesky(Side::Lower).expect("a body that is held").solve(Mat::from_fn(n, 1, |i, _| force(i)));
     (0..n).map(|i| u[(i, 0)]).collect()
 }

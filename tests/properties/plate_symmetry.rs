@@ -22,14 +22,14 @@ fn a_quarter_answers_as_the_whole() {
             let pressure = "[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -1]\n";
             plate(&scene(&body, "", &format!("{rest}{pressure}")), theory, 0.7)
         });
-        assert_eq!((quarter.system.multiplicity, whole.system.multiplicity), (4.0, 1.0));
+        assert_eq!((quarter.system.terms.multiplicity, whole.system.terms.multiplicity), (4.0, 1.0));
         for rate in [0.0, 1e3, 1e4] {
             let [one, other] = [&quarter, &whole].map(|plate| answer(plate, rate));
             // The discretisation error of the cells at the impact point, which differs between the two. It is largest
             // for a point force and for fast waves.
             assert!((one / other - 1.0).abs() < 1e-3, "{theory:?} {rate}: {one:e} {other:e}");
             let [one, other] = [&quarter, &whole]
-                .map(|plate| a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.load)));
+                .map(|plate| a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.terms.load)));
             // The field is smooth, with splines of degree 5 on different cells: some cells of the whole plate at the
             // impact point have half the size.
             assert!((one / other - 1.0).abs() < 1e-5, "{theory:?} {rate}: {one:e} {other:e}");
@@ -59,14 +59,15 @@ fn classes_of_motions_answer_as_the_whole() {
             let impactor = format!("point = [{x}, {y}, 0.015]");
             plate(&scene(&body, &impactor, &format!("{rest}{pressure}")), theory, 0.6)
         });
-        assert_eq!((parts.system.multiplicity, parts.system.classes), (multiplicity, classes));
-        assert_eq!((whole.system.multiplicity, whole.system.classes), (1.0, 1));
+        assert_eq!((parts.system.terms.multiplicity, parts.system.classes), (multiplicity, classes));
+        assert_eq!((whole.system.terms.multiplicity, whole.system.classes), (1.0, 1));
         {
             let rate = 1e4;
             let moved = [&parts, &whole].map(|plate| {
                 let operator = Operator::new(plate, rate);
-                let of_load = operator.solve(plate, &plate.system.load);
-                let force: Vec<f64> = plate.system.localization.iter().map(|a| a / plate.system.multiplicity).collect();
+                let of_load = operator.solve(plate, &plate.system.terms.load);
+                let force: Vec<f64> =
+                    plate.system.terms.contact.force.iter().map(|a| a / plate.system.terms.multiplicity).collect();
                 (operator.solve(plate, &force), of_load)
             });
             // The discretisation error of the cells at the impact point, which differs between the two; it is largest

@@ -48,17 +48,17 @@ pub struct Operator {
 
 impl Operator {
     pub fn new(plate: &Plate, rate: f64) -> Self {
-        let n = plate.system.load.len();
-        let mut matrix = dense(&plate.system.elastic, n) + rate * rate * dense(&plate.system.mass, n);
-        plate.system.support.iter().for_each(|support| matrix += dense(support, n));
-        plate.system.damping.iter().for_each(|damping| matrix += rate * dense(damping, n));
+        let n = plate.system.terms.load.len();
+        let mut matrix = dense(&plate.system.terms.elastic, n) + rate * rate * dense(&plate.system.mass, n);
+        plate.system.terms.support.iter().for_each(|support| matrix += dense(support, n));
+        plate.system.terms.damping.iter().for_each(|damping| matrix += rate * dense(damping, n));
         let free = (0..n).filter(|&i| plate.system.held.iter().all(|(held, _)| *held != i)).collect();
         Self { matrix, free }
     }
 
     /// The displacement under a load, with the constrained unknowns at their values.
     pub fn solve(&self, plate: &Plate, load: &[f64]) -> DVector<f64> {
-        let mut u = DVector::zeros(plate.system.load.len());
+        let mut u = DVector::zeros(plate.system.terms.load.len());
         plate.system.held.iter().for_each(|(i, value)| u[*i] = *value);
         let load = DVector::from_column_slice(load) - &self.matrix * &u;
         let inner = self.matrix.select_rows(&self.free).select_columns(&self.free);
@@ -69,12 +69,13 @@ impl Operator {
 }
 
 pub fn a(plate: &Plate) -> DVector<f64> {
-    DVector::from_column_slice(&plate.system.localization)
+    DVector::from_column_slice(&plate.system.terms.contact.force)
 }
 
 /// Displacement average under a unit force on the whole plate.
 pub fn answer(plate: &Plate, rate: f64) -> f64 {
-    a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.localization)) / plate.system.multiplicity
+    a(plate).dot(&Operator::new(plate, rate).solve(plate, &plate.system.terms.contact.force))
+        / plate.system.terms.multiplicity
 }
 
 pub fn held(surface: &str, components: &str) -> String {
@@ -112,7 +113,7 @@ fn navier_kirchhoff() {
     let exact = series([1.2, 0.9], 2000, |xi| 1.0 / (bending * xi.powi(4)));
     let errors = [1.0, 0.5].map(|cell_size_factor| {
         let plate = plate(&scene, PlateTheory::Kirchhoff, cell_size_factor);
-        assert_eq!((plate.system.multiplicity, plate.system.compliance), (4.0, 0.0));
+        assert_eq!((plate.system.terms.multiplicity, plate.system.terms.contact.compliance), (4.0, 0.0));
         1.0 - answer(&plate, 0.0) / exact
     });
     let order = (errors[0] / errors[1]).log2();
@@ -130,7 +131,7 @@ fn navier_mindlin() {
             let settings = Settings { cell_size_factor, ..settings };
             let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).unwrap();
             let local = plate.local.unwrap();
-            assert_eq!(plate.system.compliance, -4.0 * local.compliance);
+            assert_eq!(plate.system.terms.contact.compliance, -4.0 * local.compliance);
             let shear = local.shear_factor * YOUNG / (2.0 * (1.0 + POISSON)) * h;
             let exact = series([1.2, 0.9], 1200, |xi| {
                 let pressure = local.spread.square(xi * local.radius);
@@ -151,10 +152,14 @@ fn a_free_plate_has_three_rigid_motions() {
     let scene = scene("size = [0.4, 0.3, 0.03]\nsymmetry = \"none\"", "point = [0.05, 0.02, 0.015]", "");
     for theory in THEORIES {
         let plate = plate(&scene, theory, 1.5);
-        assert!(plate.system.held.is_empty() && plate.system.support.is_none() && plate.system.damping.is_none());
-        let n = plate.system.load.len();
+        assert!(
+            plate.system.held.is_empty()
+                && plate.system.terms.support.is_none()
+                && plate.system.terms.damping.is_none()
+        );
+        let n = plate.system.terms.load.len();
         let inverse = dense(&plate.system.mass, n).cholesky().unwrap().l().try_inverse().unwrap();
-        let elastic = &inverse * dense(&plate.system.elastic, n) * inverse.transpose();
+        let elastic = &inverse * dense(&plate.system.terms.elastic, n) * inverse.transpose();
         let mut squares: Vec<f64> = SymmetricEigen::new(elastic).eigenvalues.iter().copied().collect();
         squares.sort_by(f64::total_cmp);
         let (first, last) = (squares[3], squares[n - 1]);
@@ -176,14 +181,14 @@ fn a_translation_is_a_translation() {
     ];
     for (scene, theory) in scenes.iter().flat_map(|scene| THEORIES.map(|theory| (scene, theory))) {
         let plate = plate(scene, theory, 1.0);
-        let n = plate.system.load.len();
-        let translation = DVector::from_column_slice(&plate.system.translation);
+        let n = plate.system.terms.load.len();
+        let translation = DVector::from_column_slice(&plate.system.terms.translation);
         // Rounding of a thousand terms.
         assert!((a(&plate).dot(&translation) - 1.0).abs() < 1e-11, "{theory:?}");
-        let elastic = dense(&plate.system.elastic, n);
+        let elastic = dense(&plate.system.terms.elastic, n);
         assert!((&elastic * &translation).amax() < 1e-12 * elastic.amax(), "{theory:?}");
         let ricochet::scene::Geometry::Box { size, .. } = &scene.body.geometry else { panic!("no box") };
-        let mass = plate.system.multiplicity * translation.dot(&(dense(&plate.system.mass, n) * &translation));
+        let mass = plate.system.terms.multiplicity * translation.dot(&(dense(&plate.system.mass, n) * &translation));
         assert!((mass / (DENSITY * size.iter().product::<f64>()) - 1.0).abs() < 1e-12, "{theory:?}: {mass}");
     }
 }
@@ -205,7 +210,7 @@ fn thin_plates_do_not_lock() {
         let exact = 1.265_319_087e-3 / rigidity(thickness);
         let [kirchhoff, mindlin] = THEORIES.map(|theory| {
             let plate = plate(&scene, theory, 1.0);
-            a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.load)) / exact - 1.0
+            a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.terms.load)) / exact - 1.0
         });
         assert!(kirchhoff.abs() < 1e-6, "{thickness}: {kirchhoff:e}");
         errors.push(mindlin);
@@ -228,19 +233,19 @@ fn resultants() {
         let body = format!("size = [0.6, 0.4, 0.03]\nsymmetry = \"{symmetry}\"");
         let plate = plate(&scene(&body, "", rest), theory, 1.0);
         let (perimeter, area, h) = (2.0, 0.24, 0.03);
-        let one = DVector::from_column_slice(&plate.system.translation);
-        let of_vector = |v: &[f64]| plate.system.multiplicity * one.dot(&DVector::from_column_slice(v));
+        let one = DVector::from_column_slice(&plate.system.terms.translation);
+        let of_vector = |v: &[f64]| plate.system.terms.multiplicity * one.dot(&DVector::from_column_slice(v));
         let of_matrix = |m: &Option<CsrMatrix<f64>>| {
-            let matrix = dense(m.as_ref().expect("a matrix"), plate.system.load.len());
-            plate.system.multiplicity * one.dot(&(matrix * &one))
+            let matrix = dense(m.as_ref().expect("a matrix"), plate.system.terms.load.len());
+            plate.system.terms.multiplicity * one.dot(&(matrix * &one))
         };
         let line = perimeter * h;
         for (found, exact) in [
-            (of_vector(&plate.system.load), 2e4 * area * h + 3e3 * area - 5e3 * line),
-            (of_vector(&plate.system.support_load), 1e9 * 1e-3 * line),
-            (plate.system.multiplicity * plate.system.support_offset, 0.5 * 1e9 * 1e-6 * line),
-            (of_matrix(&plate.system.support), 1e9 * line + 1e7 / (1.0 + 1e7 * 0.5 * h / 70e9) * area),
-            (of_matrix(&plate.system.damping), 4e5 * area),
+            (of_vector(&plate.system.terms.load), 2e4 * area * h + 3e3 * area - 5e3 * line),
+            (of_vector(&plate.system.terms.support_load), 1e9 * 1e-3 * line),
+            (plate.system.terms.multiplicity * plate.system.terms.support_offset, 0.5 * 1e9 * 1e-6 * line),
+            (of_matrix(&plate.system.terms.support), 1e9 * line + 1e7 / (1.0 + 1e7 * 0.5 * h / 70e9) * area),
+            (of_matrix(&plate.system.terms.damping), 4e5 * area),
         ] {
             // Rounding of a thousand terms.
             assert!((found / exact - 1.0).abs() < 1e-11, "{symmetry} {theory:?}: {found} {exact}");
@@ -270,8 +275,8 @@ fn displaced_clamps_carry_the_plate() {
     for (symmetry, theory) in ["quarter", "none"].iter().flat_map(|s| THEORIES.map(|theory| (s, theory))) {
         let scene = scene(&format!("size = [0.6, 0.4, 0.03]\nsymmetry = \"{symmetry}\""), "", &rest);
         let plate = plate(&scene, theory, 1.0);
-        let u = Operator::new(&plate, 0.0).solve(&plate, &vec![0.0; plate.system.load.len()]);
-        let translation = DVector::from_column_slice(&plate.system.translation);
+        let u = Operator::new(&plate, 0.0).solve(&plate, &vec![0.0; plate.system.terms.load.len()]);
+        let translation = DVector::from_column_slice(&plate.system.terms.translation);
         assert!((u - 2e-3 * translation).amax() < 1e-10, "{theory:?} {symmetry}");
     }
 }

@@ -36,7 +36,7 @@ impl<'a> Pencil<'a> {
                 Mass::Matrix { matrix, solver }
             }
         };
-        let product = body.load.duplicate()?;
+        let product = body.terms.load.duplicate()?;
         Ok(Self { body, mass, contact, product })
     }
 
@@ -54,8 +54,8 @@ impl<'a> Pencil<'a> {
     /// Computes K (x, q), the forces on body and impactor, and returns the force on the impactor. Collective.
     pub fn stiffness(&mut self, (x, q): (&Vector, f64), force: &mut Vector) -> Result<f64> {
         let body = &mut *self.body;
-        body.elastic.mult(x, force)?;
-        if let Some(support) = &body.support {
+        body.terms.elastic.mult(x, force)?;
+        if let Some(support) = &body.terms.support {
             support.mult(x, &mut self.product)?;
             force.axpy(1.0, &self.product)?;
         }
@@ -64,7 +64,7 @@ impl<'a> Pencil<'a> {
         }
         let mut on_impactor = 0.0;
         if let Some(contact) = self.contact {
-            let a = &body.localization.vector;
+            let a = &body.terms.contact.force;
             on_impactor = contact.tangent * (q - a.dot(x)?);
             force.axpy(-on_impactor, a)?;
         }

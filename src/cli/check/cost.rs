@@ -71,9 +71,9 @@ impl Cost {
             }
             None => Linear::None,
         };
-        let entries = body.elastic.entries()?;
+        let entries = body.terms.elastic.entries()?;
         let boundary: u64 =
-            body.support.iter().chain(&body.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
+            body.terms.support.iter().chain(&body.terms.damping).map(|m| m.entries()).sum::<petsc_wrap::Result<_>>()?;
         let fields = scene.output.fields.is_some().then(|| FIELD_BYTES_PER_NODE * body.unknowns() as f64 / 3.0);
         let (solver, memory) = words(body, &method, plan, (entries as f64, boundary as f64), linear);
         Ok(Self { solver, memory: Some(memory), fields })

@@ -182,8 +182,8 @@ fn box_mass(scene: &Scene) -> Option<f64> {
 
 /// Mass of a body of solid elements, kg. 1ᵀM1 counts it once for each component.
 fn mass(body: &Body) -> Result<f64> {
-    let mut ones = body.load.duplicate()?;
-    let mut product = body.load.duplicate()?;
+    let mut ones = body.terms.load.duplicate()?;
+    let mut product = body.terms.load.duplicate()?;
     ones.fill(1.0)?;
     body.mass.mult(&ones, &mut product)?;
     Ok(product.dot(&ones)? / 3.0)

@@ -43,10 +43,10 @@ impl Condensed {
         (pushed, tolerance): (Vec<Int>, f64),
     ) -> Result<Self> {
         let mut ksp = body.step_solver(step, stage.c1, stage.c2)?;
-        let mut force = body.load.duplicate()?;
-        force.copy_from(&body.localization.vector)?;
+        let mut force = body.terms.load.duplicate()?;
+        force.copy_from(&body.terms.contact.force)?;
         body.clamps.zero(&mut force)?;
-        let mut answer = body.load.duplicate()?;
+        let mut answer = body.terms.load.duplicate()?;
         ksp.solve(&force, &mut answer)?;
         let of_impactor = 1.0 / (stage.c2 * mass);
         let compliance = force.dot(&answer)? + of_impactor;

@@ -65,7 +65,8 @@ pub(super) fn exchange(
     let damping = before.damping.as_ref().zip(after.damping.as_ref());
     let support = before.support.as_ref().zip(after.support.as_ref());
     // All forces that do work on D, so that one reduction is enough.
-    let mut forces: Vec<&VectorView> = vec![&body.load, &before.elastic, &after.elastic, &from.inertia, &to.inertia];
+    let mut forces: Vec<&VectorView> =
+        vec![&body.terms.load, &before.elastic, &after.elastic, &from.inertia, &to.inertia];
     let pairs = [damping, support].into_iter().flatten();
     forces.extend(pairs.flat_map(|(before, after)| [&**before, after]));
     forces.extend(done.pads.map(|pads| &**pads));
@@ -134,14 +135,14 @@ impl EnergyBalance {
         let multiplicity = parameters.multiplicity;
         let kinetic = multiplicity * 0.5 * products.momentum.dot(&state.v)?;
         // Computed from u without its translation, like K u.
-        let dots = products.elastic.dots(&[&state.u, &body.translation])?;
+        let dots = products.elastic.dots(&[&state.u, &body.terms.translation])?;
         let bent = dots[0] - at.surface * dots[1];
         let relaxing = stored_beyond(body, &at.lags, &state.u, at.surface)?;
         let elastic = multiplicity * (0.5 * bent + relaxing);
-        let mut forces: Vec<&VectorView> = vec![&body.support_load];
+        let mut forces: Vec<&VectorView> = vec![&body.terms.support_load];
         forces.extend(products.support.iter().map(|support| &**support));
         let dots = state.u.dots(&forces)?;
-        let support = body.support_offset - dots[0] + at.pads + 0.5 * dots.get(1).copied().unwrap_or_default();
+        let support = body.terms.support_offset - dots[0] + at.pads + 0.5 * dots.get(1).copied().unwrap_or_default();
         let support = multiplicity * support;
         let impactor = multiplicity * 0.5 * parameters.mass * state.q.velocity * state.q.velocity;
         let contact = multiplicity * parameters.law.potential(at.approach);

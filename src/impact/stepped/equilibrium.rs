@@ -108,12 +108,12 @@ pub(super) fn find(comm: &Comm, body: &mut Body, parameters: &ImpactParameters) 
 /// On soft supports a stiff body moves so far that this rounding is not small compared with the loads. Zero for a reduced
 /// body, whose few unknowns have no such rounding. Collective.
 fn rounding(body: &Body, u: &Vector) -> Result<f64> {
-    let translation = body.translation.norm_max()?;
+    let translation = body.terms.translation.norm_max()?;
     if translation == 0.0 {
         return Ok(0.0);
     }
-    let mut forces = body.load.duplicate()?;
-    body.apply_elastic(&body.translation, &mut forces)?;
+    let mut forces = body.terms.load.duplicate()?;
+    body.apply_elastic(&body.terms.translation, &mut forces)?;
     body.clamps.zero(&mut forces)?;
     Ok(forces.norm()? * u.norm_max()? / translation)
 }
@@ -121,7 +121,7 @@ fn rounding(body: &Body, u: &Vector) -> Result<f64> {
 /// Same as [`find`] for a body on pads. Collective.
 fn find_on_pads(body: &mut Body) -> Result<Vector> {
     let [mut u, mut trial, mut change, mut out, mut momentum] = {
-        let zeros = || body.load.duplicate();
+        let zeros = || body.terms.load.duplicate();
         [zeros()?, zeros()?, zeros()?, zeros()?, zeros()?]
     };
     u.copy_from(&body.clamps.displacement)?;
@@ -166,19 +166,19 @@ fn find_on_pads(body: &mut Body) -> Result<Vector> {
 
 /// Forces on the free unknowns at a displacement, f − K u − p(u). Collective.
 fn left_over(body: &mut Body, u: &Vector, product: &mut Vector) -> Result<Vector> {
-    let mut force = body.load.duplicate()?;
+    let mut force = body.terms.load.duplicate()?;
     // add_force adds p; aypx below changes the sign.
     if let Some(pads) = &mut body.pads {
         pads.add_force(None, u, &mut force)?;
     }
     body.apply_elastic(u, product)?;
     force.axpy(1.0, product)?;
-    if let Some(support) = &body.support {
+    if let Some(support) = &body.terms.support {
         support.mult(u, product)?;
         force.axpy(1.0, product)?;
     }
-    force.aypx(-1.0, &body.load)?;
-    force.axpy(1.0, &body.support_load)?;
+    force.aypx(-1.0, &body.terms.load)?;
+    force.axpy(1.0, &body.terms.support_load)?;
     body.clamps.zero(&mut force)?;
     Ok(force)
 }

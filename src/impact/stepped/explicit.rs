@@ -29,7 +29,7 @@ pub struct ExplicitStepper {
 
 impl ExplicitStepper {
     pub(super) fn new(body: &Body, step: f64) -> Result<Self> {
-        let zeros = || body.load.duplicate();
+        let zeros = || body.terms.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         Ok(Self { scheme: CentralDifference { step }, half: zeros()?, force: zeros()?, pads })
     }
@@ -59,9 +59,9 @@ impl ExplicitStepper {
         let contact = parameters.law.damped(to.approach, rate);
         // Force f + a F − K u − p at the new displacement; the dampers' force is part of the correction.
         let force = &mut self.force;
-        force.copy_from(&body.load)?;
-        force.axpy(1.0, &body.support_load)?;
-        force.axpy(contact.force, &body.localization.vector)?;
+        force.copy_from(&body.terms.load)?;
+        force.axpy(1.0, &body.terms.support_load)?;
+        force.axpy(contact.force, &body.terms.contact.force)?;
         force.axpy(-1.0, &to.products.elastic)?;
         if let Some(support) = &to.products.support {
             force.axpy(-1.0, support)?;

@@ -47,15 +47,15 @@ pub struct Full {
 impl Full {
     /// Assembles Ŝ for a stage of a step (s), and the sparsity pattern of the Newton matrix. Collective.
     pub(super) fn new(comm: &Comm, body: &Body, stage: (Affine, f64), mass: f64, tolerance: f64) -> Result<Self> {
-        let (all, _): (Vec<Int>, Vec<f64>) = body.localization.entries.iter().copied().unzip();
+        let (all, _): (Vec<Int>, Vec<f64>) = body.contact_entries.iter().copied().unzip();
         let free = Gather::new(&body.clamps.free, &all)?.fetch(&body.clamps.free)?.to_vec();
         // Constrained unknowns take no force; their contribution to δ is constant and part of δ_n.
-        let of_body = body.localization.entries.iter().zip(&free).filter(|(_, free)| **free != 0.0);
+        let of_body = body.contact_entries.iter().zip(&free).filter(|(_, free)| **free != 0.0);
         let (indices, values): (Vec<Int>, Vec<f64>) =
             of_body.map(|((index, value), _)| (*index, -value)).chain([(body.unknowns() as Int, 1.0)]).unzip();
         let is_last = comm.rank() + 1 == comm.size();
         let local = {
-            let range = body.load.range();
+            let range = body.terms.load.range();
             (range.end - range.start) as usize + usize::from(is_last)
         };
         let mut direction = Vector::new(comm, local)?;
@@ -72,7 +72,7 @@ impl Full {
             constant,
             increment: direction.duplicate()?,
             known: direction.duplicate()?,
-            displacement: body.load.duplicate()?,
+            displacement: body.terms.load.duplicate()?,
             direction,
             entries: (indices, values),
             rows,

@@ -132,7 +132,7 @@ impl ImplicitStepper {
             Method::CondensedOnPads(pushed) => condensed(pushed)?,
             Method::Full => Solver::Full(Box::new(Full::new(comm, body, (stage, step), parameters.mass, tolerance)?)),
         };
-        let zeros = || body.load.duplicate();
+        let zeros = || body.terms.load.duplicate();
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         let is_quiet = body.clamps.displacement.norm_max()? == 0.0 && !body.is_translation_held()?;
         let is_direct = matches!(&solver, Solver::Condensed(condensed) if condensed.is_direct);
@@ -163,10 +163,10 @@ impl ImplicitStepper {
         // g = f − K u_n − M a* − C v*, where a* and v* are the stage's acceleration and velocity for E = 0.
         let known = &mut self.known;
         let mut terms: Vec<(f64, &VectorView)> =
-            vec![(1.0, &body.load), (1.0, &body.support_load), (-1.0, &products.elastic)];
+            vec![(1.0, &body.terms.load), (1.0, &body.terms.support_load), (-1.0, &products.elastic)];
         terms.extend(products.support.iter().map(|support| (-1.0, &**support)));
         terms.extend([(-stage.a[0], &*products.momentum), (-stage.a[1], &from.inertia)]);
-        if let (Some(matrix), Some(damping)) = (&body.damping, &products.damping) {
+        if let (Some(matrix), Some(damping)) = (&body.terms.damping, &products.damping) {
             terms.push((-stage.v[0], damping));
             if stage.v[1] != 0.0 {
                 matrix.mult(&state.a, &mut self.work)?;
@@ -186,7 +186,7 @@ impl ImplicitStepper {
         };
         let force =
             StageForce { law: parameters.law.clone(), from: from.approach, theta, gradient: scheme.gradient, rate };
-        let Body { localization, pads, .. } = &mut *body;
+        let Body { terms: of_body, pads, .. } = &mut *body;
         let increment = &mut self.work;
         let mut largest = 0.0_f64;
         if pads.is_some() || matches!(self.solver, Solver::Full(_)) {
@@ -199,7 +199,7 @@ impl ImplicitStepper {
             u: &state.u,
             known,
             known_impactor,
-            direction: &localization.vector,
+            direction: &of_body.contact.force,
             force: &force,
             pads: pads.as_mut(),
             guess: 0.0,
@@ -272,12 +272,12 @@ impl ImplicitStepper {
         let of_mass: [(f64, &VectorView); 3] =
             [(factor, &to.inertia), (-end.a[0] * factor, &before.momentum), (-end.a[1] * factor, &from.inertia)];
         let mut terms: Vec<(f64, &VectorView)> =
-            vec![(1.0, &before.elastic), (1.0 / theta, &self.known), (force / theta, &body.localization.vector)];
+            vec![(1.0, &before.elastic), (1.0 / theta, &self.known), (force / theta, &body.terms.contact.force)];
         terms.extend(of_mass.map(|(factor, term)| (-stage.c2 * factor, term)));
         if let (Some(before), Some(after)) = (&before.support, &after.support) {
             terms.extend([(1.0, &**before), (-1.0, after)]);
         }
-        if let (Some(matrix), Some(before), Some(after)) = (&body.damping, &before.damping, &after.damping) {
+        if let (Some(matrix), Some(before), Some(after)) = (&body.terms.damping, &before.damping, &after.damping) {
             if end.v[1] == 0.0 {
                 // C D from u̇ = c1 D + v[0] u̇_n.
                 let factor = stage.c1 / end.c1;

@@ -47,9 +47,9 @@ pub(super) fn unbalanced(body: &mut Body, contact: f64, moment: &mut Moment) -> 
     if let Some(pads) = &mut body.pads {
         pads.add_force(None, &moment.state.u, force)?;
     }
-    force.aypx(-1.0, &body.load)?;
-    force.axpy(1.0, &body.support_load)?;
+    force.aypx(-1.0, &body.terms.load)?;
+    force.axpy(1.0, &body.terms.support_load)?;
     moment.products.add_internal(-1.0, force)?;
-    force.axpy(contact, &body.localization.vector)?;
+    force.axpy(contact, &body.terms.contact.force)?;
     Ok(body.clamps.zero(force)?)
 }

@@ -63,9 +63,9 @@ pub fn settle(scene: &Scene, body: &mut Body) -> Result<()> {
         Initial::Equilibrium => {
             let parameters = ImpactParameters::new(&scene.impactor, body);
             // In equilibrium the viscoelastic parts are fully relaxed.
-            let relaxations = std::mem::take(&mut body.relaxations);
+            let relaxations = std::mem::take(&mut body.terms.relaxations);
             let rest = equilibrium::find(&body.comm().clone(), body, &parameters);
-            body.relaxations = relaxations;
+            body.terms.relaxations = relaxations;
             Some(rest?)
         }
     };
@@ -111,7 +111,7 @@ impl SteppedImpact {
         let mut parameters = ImpactParameters::new(&scene.impactor, &body);
         if let Some(rest) = &body.equilibrium {
             // The gap is measured from the surface as displaced by the loads.
-            parameters.gap -= body.localization.vector.dot(rest)?;
+            parameters.gap -= body.terms.contact.force.dot(rest)?;
         }
         let plan = Plan::new(scene, &mut body, &parameters)?;
         let newton_tolerance = FORCE_TOLERANCE * parameters.force_bound();

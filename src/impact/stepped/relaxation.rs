@@ -5,7 +5,7 @@
 //! Δu − Σ G_i (1 − E_i) D w_i. The stored energy is ½ Σ G_i wᵀD w; the dashpots dissipate the rest of the work. A
 //! translation of the whole body is subtracted from Δu: it does not change D Δu, except for its rounding.
 
-use petsc_wrap::Vector;
+use petsc_wrap::{Matrix, Vector};
 
 use crate::body::{Body, Relaxation};
 use crate::error::Result;
@@ -44,8 +44,10 @@ pub struct Relaxing {
 impl MaxwellTermState {
     /// States of all terms of a body that has been at rest.
     pub(super) fn all(body: &Body) -> Result<Vec<Self>> {
-        let count: usize = body.relaxations.iter().map(|relaxation| relaxation.chain.terms.len()).sum();
-        (0..count).map(|_| Ok(Self { stretch: body.load.duplicate()?, distortion: body.load.duplicate()? })).collect()
+        let count: usize = body.terms.relaxations.iter().map(|relaxation| relaxation.chain.terms.len()).sum();
+        (0..count)
+            .map(|_| Ok(Self { stretch: body.terms.load.duplicate()?, distortion: body.terms.load.duplicate()? }))
+            .collect()
     }
 
     pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
@@ -65,7 +67,10 @@ impl MaxwellTermState {
 
 /// Moduli of a body's terms, in the order of their states.
 fn moduli(body: &Body) -> impl Iterator<Item = f64> {
-    body.relaxations.iter().flat_map(|relaxation: &Relaxation| relaxation.chain.terms.iter().map(|term| term.modulus))
+    body.terms
+        .relaxations
+        .iter()
+        .flat_map(|relaxation: &Relaxation<Matrix>| relaxation.chain.terms.iter().map(|term| term.modulus))
 }
 
 /// out ← out + Σ G_i D w_i.
@@ -79,7 +84,7 @@ pub(super) fn stored_beyond(body: &Body, lags: &[MaxwellTermState], u: &Vector, 
     let mut sum = 0.0;
     for (modulus, lag) in moduli(body).zip(lags) {
         let MaxwellTermState { stretch, distortion } = lag;
-        let bent = distortion.dot(u)? - surface * distortion.dot(&body.translation)?;
+        let bent = distortion.dot(u)? - surface * distortion.dot(&body.terms.translation)?;
         sum += 0.5 * modulus * (distortion.dot(stretch)? - bent);
     }
     Ok(sum)
@@ -91,11 +96,11 @@ impl Relaxing {
         if moduli(body).next().is_none() {
             return Ok(None);
         }
-        let of = |relaxation: &Relaxation| -> Vec<(f64, Decay)> {
+        let of = |relaxation: &Relaxation<Matrix>| -> Vec<(f64, Decay)> {
             relaxation.chain.terms.iter().map(|term| (term.modulus, Decay::new(step, term.time))).collect()
         };
-        let terms = body.relaxations.iter().map(of).collect();
-        Ok(Some(Self { terms, bent: body.load.duplicate()?, moved: body.load.duplicate()? }))
+        let terms = body.terms.relaxations.iter().map(of).collect();
+        Ok(Some(Self { terms, bent: body.terms.load.duplicate()?, moved: body.terms.load.duplicate()? }))
     }
 
     /// out ← out + factor Σ G_i (1 − E_i) D w_i: the loss of force over a step without motion.
@@ -116,10 +121,10 @@ impl Relaxing {
     ) -> Result<Relaxed> {
         let Self { terms, bent, moved } = self;
         bent.copy_from(increment)?;
-        bent.axpy(-body.localization.vector.dot(increment)?, &body.translation)?;
+        bent.axpy(-body.terms.contact.force.dot(increment)?, &body.terms.translation)?;
         let mut relaxed = Relaxed::default();
         let mut number = 0;
-        for (relaxation, terms) in body.relaxations.iter().zip(terms) {
+        for (relaxation, terms) in body.terms.relaxations.iter().zip(terms) {
             relaxation.distortion.mult(bent, moved)?;
             let square = moved.dot(bent)?;
             for (modulus, decay) in terms.iter() {

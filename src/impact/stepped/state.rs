@@ -46,7 +46,7 @@ pub struct Products {
 impl State {
     /// A state of zeros.
     pub(super) fn zero(body: &Body) -> Result<Self> {
-        let zeros = || body.load.duplicate();
+        let zeros = || body.terms.load.duplicate();
         let q = Impactor { position: 0.0, velocity: 0.0, acceleration: 0.0 };
         Ok(Self { u: zeros()?, v: zeros()?, a: zeros()?, q })
     }
@@ -55,9 +55,14 @@ impl State {
 impl Products {
     /// Products of zeros.
     pub(super) fn zero(body: &Body) -> Result<Self> {
-        let zeros = || body.load.duplicate();
+        let zeros = || body.terms.load.duplicate();
         let of = |matrix: &Option<Matrix>| matrix.as_ref().map(|_| zeros()).transpose();
-        Ok(Self { elastic: zeros()?, support: of(&body.support)?, damping: of(&body.damping)?, momentum: zeros()? })
+        Ok(Self {
+            elastic: zeros()?,
+            support: of(&body.terms.support)?,
+            damping: of(&body.terms.damping)?,
+            momentum: zeros()?,
+        })
     }
 
     /// Recomputes all products from u and u̇; `surface` is aᵀu, m. Collective.
@@ -66,7 +71,7 @@ impl Products {
         // away. So the translation is subtracted first. The momentum serves as work space until it is recomputed below.
         let bent = &mut self.momentum;
         bent.copy_from(&state.u)?;
-        bent.axpy(-surface, &body.translation)?;
+        bent.axpy(-surface, &body.terms.translation)?;
         body.apply_elastic(bent, &mut self.elastic)?;
         body.apply_mass(&state.v, &mut self.momentum)?;
         self.update_of_surface(body, state)
@@ -74,7 +79,7 @@ impl Products {
 
     /// Recomputes the products of supports and dampers, whose matrices have entries on the surface only. Collective.
     pub(super) fn update_of_surface(&mut self, body: &Body, state: &State) -> Result<()> {
-        if let (Some(matrix), Some(product)) = (&body.support, &mut self.support) {
+        if let (Some(matrix), Some(product)) = (&body.terms.support, &mut self.support) {
             matrix.mult(&state.u, product)?;
         }
         if let Some(product) = &mut self.damping {
@@ -116,7 +121,7 @@ impl Moment {
     /// State of rest at u = 0.
     pub(super) fn zero(body: &Body) -> Result<Self> {
         let (state, products) = (State::zero(body)?, Products::zero(body)?);
-        let (lags, inertia) = (MaxwellTermState::all(body)?, body.load.duplicate()?);
+        let (lags, inertia) = (MaxwellTermState::all(body)?, body.terms.load.duplicate()?);
         Ok(Self { state, products, lags, inertia, surface: 0.0, approach: 0.0, rate: 0.0, pads: 0.0 })
     }
 
@@ -134,7 +139,7 @@ impl Moment {
     /// Recomputes surface displacement, approach and its rate, after a change of u, u̇ and q. Collective.
     pub(super) fn place(&mut self, body: &Body, gap: f64) -> Result<()> {
         let State { u, v, q, .. } = &self.state;
-        let dots = body.localization.vector.dots(&[u, v])?;
+        let dots = body.terms.contact.force.dots(&[u, v])?;
         self.surface = dots[0];
         self.approach = q.position - gap - self.surface;
         self.rate = q.velocity - dots[1];
@@ -143,12 +148,12 @@ impl Moment {
 
     /// Velocity of the surface under the impactor, aᵀu̇, m/s. Collective.
     pub(super) fn surface_rate(&self, body: &Body) -> Result<f64> {
-        Ok(body.localization.vector.dot(&self.state.v)?)
+        Ok(body.terms.contact.force.dot(&self.state.v)?)
     }
 
     /// Second time derivative of the approach, δ̈ = q̈ − aᵀü, m/s². Collective.
     pub(super) fn acceleration(&self, body: &Body) -> Result<f64> {
-        Ok(self.state.q.acceleration - body.localization.vector.dot(&self.state.a)?)
+        Ok(self.state.q.acceleration - body.terms.contact.force.dot(&self.state.a)?)
     }
 
     /// Saves the state to a checkpoint or restores it.
@@ -187,7 +192,7 @@ impl Moment {
     /// Relative difference between aᵀu on a body that every rank has completely and the stored value, over the sum of
     /// its absolute terms.
     pub(super) fn misfit(&self, body: &Body) -> Result<f64> {
-        let (a, u) = (body.localization.vector.read()?, self.state.u.read()?);
+        let (a, u) = (body.terms.contact.force.read()?, self.state.u.read()?);
         let terms = || a.iter().zip(u.iter()).map(|(a, u)| a * u);
         let size: f64 = terms().map(f64::abs).sum();
         Ok(if size > 0.0 { (terms().sum::<f64>() - self.surface).abs() / size } else { 0.0 })

@@ -77,9 +77,9 @@ impl StepDoubling {
 /// Returns M t / tᵀM t for the translation t; its product with u is the mean displacement of the body along t.
 /// Collective.
 fn mean_displacement(body: &Body) -> Result<Vector> {
-    let mut mean = body.load.duplicate()?;
-    body.apply_mass(&body.translation, &mut mean)?;
-    let moved = mean.dot(&body.translation)?;
+    let mut mean = body.terms.load.duplicate()?;
+    body.apply_mass(&body.terms.translation, &mut mean)?;
+    let moved = mean.dot(&body.terms.translation)?;
     mean.scale(1.0 / moved)?;
     Ok(mean)
 }

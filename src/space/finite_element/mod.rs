@@ -22,7 +22,7 @@ pub use recovery::Recovery;
 use petsc_wrap::{Insert, Int, NullSpace, Vector};
 
 use super::{Space, SurfaceTerms};
-use crate::body::{Body, Lumped, Pads, Relaxation, deviates, memory};
+use crate::body::{Body, BodyTerms, ContactPort, Lumped, Pads, Relaxation, StressReadings, deviates, memory};
 use crate::contact::Localization;
 use crate::description::{Description, region};
 use crate::error::{Error, Result};
@@ -42,7 +42,7 @@ impl Body {
     /// impact point off the surface. If a PETSc call fails.
     pub fn solid(scene: &Scene, mesh: &Mesh) -> Result<Self> {
         check_surfaces(scene, mesh)?;
-        let localization = match scene.contact {
+        let Localization { vector: force, entries, compliance, footprint } = match scene.contact {
             Contact::Patch { disc: Some(_), .. } => {
                 let message = "meshes carry the patch itself, on no wider disc".to_owned();
                 return Err(Fault::new(
@@ -88,29 +88,31 @@ impl Body {
         let relaxations = followed.map(relaxation).collect::<Result<Vec<_>>>()?;
         Ok(Self {
             mass,
-            elastic,
-            relaxations,
+            terms: BodyTerms {
+                elastic,
+                relaxations,
+                support,
+                damping,
+                load,
+                support_load,
+                support_offset,
+                contact: ContactPort { force, compliance, footprint },
+                translation: translation(mesh, description.direction)?,
+                readings: StressReadings::default(),
+                infinite_plate: None,
+                multiplicity: mesh.multiplicity as f64,
+            },
+            contact_entries: entries,
             products,
-            support,
-            damping,
             lumped: is_explicit.then(|| Lumped::new(&description, mesh)).transpose()?,
             pads,
             unilateral: None,
-            load,
-            support_load,
-            support_offset,
-            hit_stress: Vec::new(),
-            local_stress_per_newton: [0.0; 3],
-            infinite_plate: None,
-            translation: translation(mesh, description.direction)?,
-            localization,
             rigid_motions: Some(rigid_motions(mesh, &nodes)?),
             method: method(scene, 3 * mesh.nodes),
             nodes: Some(nodes),
             deviates: deviates_of_nodes(mesh)?,
             clamps,
             equilibrium: None,
-            multiplicity: mesh.multiplicity as f64,
             classes: Vec::new(),
         })
     }

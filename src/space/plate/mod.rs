@@ -32,7 +32,7 @@ use super::grid::{GridSpace, count_cells};
 use super::parity::repeated;
 use super::parts;
 use super::{SurfaceTerms, rung_below};
-use crate::body::System;
+use crate::body::{BodyTerms, ContactPort, Relaxation, StressReadings, System};
 use crate::contact::{Footprint, dent};
 use crate::description::Description;
 use crate::error::Result;
@@ -288,7 +288,7 @@ impl Plate {
         if let Some(laminate) = &points.laminate {
             for (chain, relaxing) in description.relaxations() {
                 let forms = laminate.distortion(&points.geometry, &relaxing);
-                relaxations.push((of_forms(&forms), chain.clone()));
+                relaxations.push(Relaxation { distortion: of_forms(&forms), chain: chain.clone() });
             }
         }
         let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
@@ -306,25 +306,28 @@ impl Plate {
         let infinite_plate = is_known.then(|| waves::of_points(&points, &description.relaxations(), rate));
         let system = System {
             mass,
-            elastic,
-            relaxations,
-            support: terms.support.map(of_classes),
-            damping: terms.damping.map(of_classes),
+            terms: BodyTerms {
+                elastic,
+                relaxations,
+                support: terms.support.map(of_classes),
+                damping: terms.damping.map(of_classes),
+                load: even(terms.load),
+                support_load: even(terms.support_load),
+                support_offset: terms.support_offset,
+                contact: ContactPort {
+                    force: location::localization(&points),
+                    compliance: if compliance == 0.0 { 0.0 } else { -compliance * multiplicity },
+                    footprint,
+                },
+                translation: even(points.tensor.one(DEFLECTION)),
+                readings: StressReadings::default(),
+                infinite_plate,
+                multiplicity,
+            },
             pads: terms.pads,
             held: held(&points.tensor, &points.geometry, theory, &description.clamps),
-            load: even(terms.load),
-            support_load: even(terms.support_load),
-            support_offset: terms.support_offset,
-            localization: location::localization(&points),
-            compliance: if compliance == 0.0 { 0.0 } else { -compliance * multiplicity },
-            footprint,
-            hit_stress: Vec::new(),
-            local_stress_per_newton: [0.0; 3],
-            infinite_plate,
             exchange,
-            translation: even(points.tensor.one(DEFLECTION)),
             is_nearly_incompressible: false,
-            multiplicity,
             classes,
         };
         Ok(Self { system, cells, local, laminate: points.laminate.clone(), points })

@@ -28,7 +28,9 @@ fn layers_have_the_sums_of_their_parts() {
     for layers in [[0.013, 0.004, 0.013], [0.018, 0.004, 0.008]] {
         let chain = "shear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }, { modulus = 6e7, time = 2e-4 }]";
         let relaxing = plate(&scene(chain, layers));
-        let [(distortion, chain)] = &relaxing.system.relaxations[..] else { panic!("one relaxation") };
+        let [Relaxation { distortion, chain }] = &relaxing.system.terms.relaxations[..] else {
+            panic!("one relaxation")
+        };
         let laminate = relaxing.laminate.as_ref().expect("layers");
         // The shear strains must be those for the secant modulus at half the contact time.
         let [stiff, soft] = [chain.instantaneous(), chain.equilibrium].map(|shear| {
@@ -44,17 +46,17 @@ fn layers_have_the_sums_of_their_parts() {
                 turned.iter_mut().zip(tensor.one(field)).for_each(|(u, one)| *u = f64::max(*u, one));
             }
             let k = [2e9, 3e9][axis];
-            let sum = energy(relaxing.system.support.as_ref().expect("springs"), &turned);
+            let sum = energy(relaxing.system.terms.support.as_ref().expect("springs"), &turned);
             let exact = k * 0.03_f64.powi(3) / 12.0 * 0.4;
             // Rounding error of some hundred points.
             assert!((sum / exact - 1.0).abs() < 1e-12, "{layers:?} {axis}: {sum} {exact}");
         }
-        let translation = &relaxing.system.translation;
+        let translation = &relaxing.system.terms.translation;
         let mass = energy(&relaxing.system.mass, translation);
         let exact = 0.6 * 0.4 * (2500.0 * 0.026 + 1100.0 * 0.004);
         assert!((mass / exact - 1.0).abs() < 1e-12 && energy(distortion, translation).abs() < 1e-12);
         let u: Vec<f64> = (0..translation.len()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
-        let relaxed = energy(&relaxing.system.elastic, &u);
+        let relaxed = energy(&relaxing.system.terms.elastic, &u);
         // Rounding error of converting E and ν to G and K.
         assert!((relaxed / energy(&soft, &u) - 1.0).abs() < 1e-9, "{relaxed} {}", energy(&soft, &u));
         let whole = relaxed + (chain.instantaneous() - chain.equilibrium) * energy(distortion, &u);
@@ -72,7 +74,7 @@ fn springs_resist_rotations() {
                 [[support]]\nsurface = \"y-max\"\nkind = \"elastic\"\nstiffness = [2e9, 3e9, 0]\n";
     let scene = Scene::parse("test", text, &[]).expect("a scene").0;
     let plate = Plate::new(&scene, PlateTheory::Mindlin, &Settings::default()).expect("a plate");
-    let support = plate.system.support.expect("springs");
+    let support = plate.system.terms.support.expect("springs");
     for (axis, k) in [2e9, 3e9].into_iter().enumerate() {
         let one = plate.points.tensor.one(rotation(axis, [0, 0]).field);
         let sum: f64 = support.triplet_iter().map(|(i, j, value)| one[i] * value * one[j]).sum();

@@ -14,7 +14,7 @@ mod points;
 
 use super::grid::{GridField, GridSpace, count_cells};
 use super::{SurfaceTerms, rung_below};
-use crate::body::System;
+use crate::body::{BodyTerms, ContactPort, Relaxation, StressReadings, System};
 use crate::description::{Description, Part, Portion};
 use crate::error::Result;
 use crate::form::elastic::{VOLUME, elastic, elastic_with, mass, projected_lambda};
@@ -126,7 +126,7 @@ impl SplineSolid {
         let stiffness = of_parts(&|part| elastic_with(part.material.relaxed(), projected(part), place(part)));
         let relaxation = |(chain, of): (&Maxwell, Vec<usize>)| {
             let forms: Vec<_> = of.iter().flat_map(|part| elastic(Lame::DEVIATORIC, place(&parts[*part]))).collect();
-            (tensor.matrix_sharing(&forms, &mut integrals), chain.clone())
+            Relaxation { distortion: tensor.matrix_sharing(&forms, &mut integrals), chain: chain.clone() }
         };
         let relaxations = description.relaxations().into_iter().map(relaxation).collect();
         let points = Points::new(tensor, lines, parts, (&geometry, &patch), scene.impactor.moduli_time());
@@ -134,25 +134,28 @@ impl SplineSolid {
         let multiplicity = geometry.multiplicity();
         let system = System {
             mass,
-            elastic: stiffness,
-            relaxations,
-            support: terms.support,
-            damping: terms.damping,
+            terms: BodyTerms {
+                elastic: stiffness,
+                relaxations,
+                support: terms.support,
+                damping: terms.damping,
+                load: terms.load,
+                support_load: terms.support_load,
+                support_offset: terms.support_offset,
+                contact: ContactPort {
+                    force: patch.localization(&geometry, &points, description.direction),
+                    compliance: multiplicity * patch.compliance,
+                    footprint: patch.footprint,
+                },
+                translation: translation(&points.tensor, description.direction),
+                readings: StressReadings::default(),
+                infinite_plate: None,
+                multiplicity,
+            },
             pads: terms.pads,
             held: held(&points.tensor, &geometry.mirrors, &description.clamps),
-            load: terms.load,
-            support_load: terms.support_load,
-            support_offset: terms.support_offset,
-            localization: patch.localization(&geometry, &points, description.direction),
-            compliance: multiplicity * patch.compliance,
-            footprint: patch.footprint,
-            hit_stress: Vec::new(),
-            local_stress_per_newton: [0.0; 3],
-            infinite_plate: None,
             exchange: may_exchange(&geometry, &points).then(|| exchange(&points.tensor, geometry.plane())),
-            translation: translation(&points.tensor, description.direction),
             is_nearly_incompressible: parts.iter().any(|part| projected(part) > 0.0),
-            multiplicity,
             classes: 1,
         };
         Ok(Self { system, cells, points })

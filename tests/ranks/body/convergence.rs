@@ -144,9 +144,9 @@ fn solve(comm: &Comm, geometry: &str, order: usize, boundary: &str) -> f64 {
     let clamps = held(&mesh, &Description::new(&scene).clamps, |_, x| displacement(x)).unwrap();
 
     // Loads: the constant ones of the scene, plus the difference to the loads of the field.
-    let mut load = body.load.duplicate().unwrap();
-    load.copy_from(&body.load).unwrap();
-    load.axpy(1.0, &body.support_load).unwrap();
+    let mut load = body.terms.load.duplicate().unwrap();
+    load.copy_from(&body.terms.load).unwrap();
+    load.axpy(1.0, &body.terms.support_load).unwrap();
     let given = scene.load.body_force;
     add_body_force(&mesh, &mut load, |x| minus(body_force(x), given));
     if let [traction] = &scene.load.traction[..] {

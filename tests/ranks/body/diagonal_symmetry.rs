@@ -33,11 +33,11 @@ fn solid(scene: &Scene) -> SplineSolid {
 fn moved(session: &Session, system: &System) -> Vec<f64> {
     let body = Body::of(&session.alone(), system).unwrap();
     let rate = 3e3;
-    let mut right = body.load.duplicate().unwrap();
+    let mut right = body.terms.load.duplicate().unwrap();
     body.combination(rate, rate * rate).unwrap().mult(&body.clamps.displacement, &mut right).unwrap();
-    right.aypx(-1.0, &body.load).unwrap();
-    right.axpy(1.0, &body.support_load).unwrap();
-    right.axpy(1e3, &body.localization.vector).unwrap();
+    right.aypx(-1.0, &body.terms.load).unwrap();
+    right.axpy(1.0, &body.terms.support_load).unwrap();
+    right.axpy(1e3, &body.terms.contact.force).unwrap();
     body.clamps.zero(&mut right).unwrap();
     let mut u: Vector = right.duplicate().unwrap();
     let operator = body.operator(rate, rate * rate).unwrap();
@@ -61,11 +61,12 @@ fn half_of_a_square_box_moves_as_the_whole(session: &Session) {
 /// The same for a system with few unknowns, none of them constrained, with dense matrices.
 fn moved_of_few(system: &System) -> Vec<f64> {
     let rate = 3e3;
-    let mut operator = DMatrix::from(&system.mass) * (rate * rate) + DMatrix::from(&system.elastic);
-    system.support.iter().for_each(|support| operator += DMatrix::from(support));
-    system.damping.iter().for_each(|damping| operator += DMatrix::from(damping) * rate);
+    let mut operator = DMatrix::from(&system.mass) * (rate * rate) + DMatrix::from(&system.terms.elastic);
+    system.terms.support.iter().for_each(|support| operator += DMatrix::from(support));
+    system.terms.damping.iter().for_each(|damping| operator += DMatrix::from(damping) * rate);
     let force = |entries: &[f64]| DVector::from_column_slice(entries);
-    let force = force(&system.load) + force(&system.support_load) + force(&system.localization) * 1e3;
+    let force =
+        force(&system.terms.load) + force(&system.terms.support_load) + force(&system.terms.contact.force) * 1e3;
     operator.cholesky().unwrap().solve(&force).as_slice().to_vec()
 }
 
@@ -96,7 +97,7 @@ fn moves_as_the_whole(system: &System, moved: impl Fn(&System) -> Vec<f64>) {
     let (exchange, half) = DiagonalSymmetry::of(system).expect("its own image");
     // Unknowns on the diagonal are their own images. Their number is about that along an edge, times the thickness of a
     // box.
-    let (left, all) = (half.load.len(), system.load.len());
+    let (left, all) = (half.terms.load.len(), system.terms.load.len());
     assert!(left <= all / 2 + 2 * all.isqrt(), "{left} of {all} unknowns");
     let [u, of_half] = [system, &half].map(&moved);
     let largest = u.iter().fold(0.0_f64, |most, value| most.max(value.abs()));

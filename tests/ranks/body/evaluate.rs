@@ -169,8 +169,8 @@ fn order_of_recovered_stresses(session: &Session) {
 
 /// The static displacement under the body's loads. Collective.
 fn at_rest(body: &Body) -> Vector {
-    let (mut right, mut u) = (body.load.duplicate().unwrap(), body.load.duplicate().unwrap());
-    right.copy_from(&body.load).unwrap();
+    let (mut right, mut u) = (body.terms.load.duplicate().unwrap(), body.terms.load.duplicate().unwrap());
+    right.copy_from(&body.terms.load).unwrap();
     body.clamps.zero(&mut right).unwrap();
     solver(body.comm(), "", &body.operator(0.0, 0.0).unwrap(), Method::Cholesky)
         .unwrap()

@@ -5,7 +5,7 @@ use mpi_test::{Test, tests};
 use nalgebra::{DMatrix, DVector};
 use petsc_wrap::Session;
 use ricochet::body::{
-    Closed, Columns, DirectSum, Krylov, LinearBody, LocalBody, ModalBody, Operator, Projection, Start,
+    BodyTerms, Closed, Columns, ContactPort, DirectSum, Krylov, LinearBody, LocalBody, ModalBody, Operator, Start,
 };
 use ricochet::scene::Scene;
 use ricochet::space::plate::{Plate, PlateTheory, Settings};
@@ -81,7 +81,7 @@ fn nearly_full_matrices_are_solved_with_and_projected(_: &Session) {
         let plate = Plate::new(&scene, theory, &Settings::default()).unwrap_or_else(|error| panic!("{error}"));
         let body = LocalBody::new(plate.system);
         let full = (body.unknowns() * body.unknowns()) as f64;
-        assert!(body.system().elastic.nnz() as f64 > 0.2 * full, "{} {full}", body.unknowns());
+        assert!(body.system().terms.elastic.nnz() as f64 > 0.2 * full, "{} {full}", body.unknowns());
         let mut krylov = Krylov::new(&body, rate).unwrap();
         krylov.grow(&body, 5).unwrap();
         krylov.projection(&body).unwrap();
@@ -90,7 +90,7 @@ fn nearly_full_matrices_are_solved_with_and_projected(_: &Session) {
         let basis = krylov.basis();
         let products = basis.products(&body.apply(Operator::Elastic, basis).unwrap());
         // Rounding of sums of some hundred products.
-        assert!((products - &projection.elastic).amax() < 1e-12 * projection.elastic.amax());
+        assert!((products - &projection.terms.elastic).amax() < 1e-12 * projection.terms.elastic.amax());
         // For an unsupported body S q₁ is parallel to the localisation vector a, to the rounding of K's largest
         // entries.
         let first = basis.range(0..1);
@@ -98,7 +98,7 @@ fn nearly_full_matrices_are_solved_with_and_projected(_: &Session) {
         image.add(rate * rate, &body.apply(Operator::Mass, &first).unwrap());
         image.add(1.0, &body.apply(Operator::Support, &first).unwrap());
         let properties = body.properties().unwrap();
-        let mut force = properties.layout.one(properties.force);
+        let mut force = properties.layout.one(properties.terms.contact.force);
         [&mut image, &mut force].into_iter().for_each(|vector| vector.zero_rows(&properties.held));
         let factor = image.dot(&force) / force.dot(&force);
         image.add(-factor, &force);
@@ -131,7 +131,7 @@ fn blocks_make_orthonormal_bases(_: &Session) {
     let first = blocks.projection(&body).unwrap();
     blocks.grow(&body, 330).unwrap();
     let whole = blocks.projection(&body).unwrap();
-    assert!(whole.leading(100).elastic == first.elastic && whole.vectors() == 330);
+    assert!(whole.leading(100).terms.elastic == first.terms.elastic && whole.vectors() == 330);
     let worst = off_orthonormal(&body, blocks.basis());
     // Rounding of sums of two thousand products.
     assert!(worst < 1e-12, "{worst:e}");
@@ -185,15 +185,15 @@ fn projections_grow_with_their_bases(_: &Session) {
     let whole = krylov.projection(&body).unwrap();
     assert_eq!((first.vectors(), whole.vectors()), (20, 75));
     for (operator, found) in [
-        (Operator::Elastic, &whole.elastic),
-        (Operator::Support, &whole.support),
-        (Operator::Damping, whole.damping.as_ref().unwrap()),
+        (Operator::Elastic, &whole.terms.elastic),
+        (Operator::Support, whole.terms.support.as_ref().unwrap()),
+        (Operator::Damping, whole.terms.damping.as_ref().unwrap()),
     ] {
         let exact = krylov.basis().products(&body.apply(operator, krylov.basis()).unwrap());
         // Sums of a thousand products in another order.
         assert!((found - exact).amax() < 1e-12 * found.amax(), "{operator:?}");
     }
-    assert!(whole.leading(20).elastic == first.elastic);
+    assert!(whole.leading(20).terms.elastic == first.terms.elastic);
 }
 
 /// On a basis for a contact of any duration, a force moves an unsupported body with the acceleration 1/m, to rounding.
@@ -205,7 +205,7 @@ fn a_free_body_drifts_after_a_short_contact(_: &Session) {
     let closed = Closed { tangent: 1e6, compliance: 0.0, mass: 0.033, accuracy: 1e-9, end: 1.0 };
     let free = modes.modes(1e12, &closed).unwrap().free;
     let mass = 2500.0 * 1.0 * 1.5 * 0.01;
-    let drift = free.mobility * mass / body.system().multiplicity;
+    let drift = free.mobility * mass / body.system().terms.multiplicity;
     // Rounding of a mass of a thousand entries.
     assert!((drift - 1.0).abs() < 1e-9, "{drift}");
 }
@@ -250,7 +250,7 @@ fn weak_dampers_do_not_end_a_basis(_: &Session) {
     let full = |operator| unit.products(&body.apply(operator, &unit).unwrap());
     let [stiffness, damping, mass] =
         [full(Operator::Elastic) + full(Operator::Support), full(Operator::Damping), full(Operator::Mass)];
-    let force = DVector::from_vec(properties.force).select_rows(&moving);
+    let force = DVector::from_vec(properties.terms.contact.force).select_rows(&moving);
     let exact = |rate: f64| {
         let operator = &stiffness + &damping * rate + &mass * (rate * rate);
         force.dot(&operator.cholesky().expect("a response").solve(&force))
@@ -260,10 +260,12 @@ fn weak_dampers_do_not_end_a_basis(_: &Session) {
     let off = [30, 90].map(|vectors| {
         krylov.grow(&body, vectors).unwrap();
         assert_eq!(krylov.vectors(), vectors);
-        let Projection { elastic, support, damping, force, .. } = krylov.projection(&body).unwrap();
+        let BodyTerms { elastic, support, damping, contact: ContactPort { force, .. }, .. } =
+            krylov.projection(&body).unwrap().terms;
+        let supported = elastic + support.expect("springs");
         let worst = rates.map(|rate| {
             let damping = damping.as_ref().expect("dampers") * rate;
-            let operator = &elastic + &support + damping + DMatrix::identity(vectors, vectors) * (rate * rate);
+            let operator = &supported + damping + DMatrix::identity(vectors, vectors) * (rate * rate);
             let found = force.dot(&operator.lu().solve(&force).expect("a response"));
             (found / exact(rate) - 1.0).abs()
         });
@@ -312,21 +314,24 @@ fn classes_have_bases_of_their_own(_: &Session) {
     let first = sum.projection(&body).unwrap();
     sum.grow(&body, 60).unwrap();
     let whole = sum.projection(&body).unwrap();
-    assert!(whole.leading(30).elastic == first.elastic && whole.leading(30).force == first.force);
+    assert!(
+        whole.leading(30).terms.elastic == first.terms.elastic
+            && whole.leading(30).terms.contact.force == first.terms.contact.force
+    );
     let basis = sum.basis();
     assert_eq!(basis.count(), 60);
     // Rounding of sums of two thousand products.
     let worst = off_orthonormal(&body, basis);
     assert!(worst < 1e-12, "{worst:e}");
     let springs = basis.products(&body.apply(Operator::Elastic, basis).unwrap());
-    assert!((springs - &whole.elastic).amax() < 1e-12 * whole.elastic.amax());
+    assert!((springs - &whole.terms.elastic).amax() < 1e-12 * whole.terms.elastic.amax());
     let size = body.unknowns() / 4;
     for (j, entries) in basis.iter().enumerate() {
         let met = (0..4).filter(|class| entries[class * size..(class + 1) * size].iter().any(|v| *v != 0.0));
         assert_eq!(met.collect::<Vec<_>>(), [j % 4], "{j}");
     }
     // The projection of the localisation vector a of the whole; the force excites all classes.
-    let force = basis.along(&body.system().localization);
-    assert!((&whole.force - force).amax() < 1e-12 * whole.force.amax());
-    assert!((0..4).all(|class| whole.force[class] != 0.0));
+    let force = basis.along(&body.system().terms.contact.force);
+    assert!((&whole.terms.contact.force - force).amax() < 1e-12 * whole.terms.contact.force.amax());
+    assert!((0..4).all(|class| whole.terms.contact.force[class] != 0.0));
 }

@@ -158,10 +158,10 @@ fn weight_of_layers(session: &Session) {
             Built::Operators(built) => built.body.in_petsc(&session.alone()).unwrap(),
             Built::Given(_) => panic!("operators"),
         };
-        let found = loaded.multiplicity * loaded.load.dot(&loaded.translation).unwrap();
-        let mut momentum = loaded.load.duplicate().unwrap();
-        loaded.apply_mass(&loaded.translation, &mut momentum).unwrap();
-        let mass = loaded.multiplicity * momentum.dot(&loaded.translation).unwrap();
+        let found = loaded.terms.multiplicity * loaded.terms.load.dot(&loaded.terms.translation).unwrap();
+        let mut momentum = loaded.terms.load.duplicate().unwrap();
+        loaded.apply_mass(&loaded.terms.translation, &mut momentum).unwrap();
+        let mass = loaded.terms.multiplicity * momentum.dot(&loaded.terms.translation).unwrap();
         // Rounding of some thousand cells.
         assert!((found / weight - 1.0).abs() < 1e-9 && (mass * 9.8 / weight - 1.0).abs() < 1e-9, "{found} {mass}");
     }

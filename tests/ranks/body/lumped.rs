@@ -93,22 +93,22 @@ impl<'a> Vibration<'a> {
     const STEPS: usize = 2000;
 
     fn new(parts: &'a mut Parts, contact: Option<LinearContact>) -> Self {
-        let [u, force, product] = [(); 3].map(|()| parts.body.load.duplicate().unwrap());
+        let [u, force, product] = [(); 3].map(|()| parts.body.terms.load.duplicate().unwrap());
         Self { parts, contact, u, force, product }
     }
 
     /// Computes −K u, and returns the impactor's force.
     fn forces(&mut self, q: f64) -> f64 {
         let body = &mut self.parts.body;
-        body.elastic.mult(&self.u, &mut self.force).unwrap();
-        if let Some(support) = &body.support {
+        body.terms.elastic.mult(&self.u, &mut self.force).unwrap();
+        if let Some(support) = &body.terms.support {
             support.mult(&self.u, &mut self.product).unwrap();
             self.force.axpy(1.0, &self.product).unwrap();
         }
         if let Some(pads) = &mut body.pads {
             pads.add_pressed(&self.u, &mut self.force).unwrap();
         }
-        let a = &body.localization.vector;
+        let a = &body.terms.contact.force;
         let contact = self.contact.map_or(0.0, |contact| contact.tangent * (q - a.dot(&self.u).unwrap()));
         self.force.axpy(-contact, a).unwrap();
         self.force.scale(-1.0).unwrap();

@@ -18,7 +18,7 @@ fn products_are_those_of_the_matrix(session: &Session) {
     let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
     let mesh = Mesh::new(&session.world(), &scene.body).unwrap();
     let body = Body::solid(&scene, &mesh).unwrap();
-    let [mut found, mut expected] = [body.load.duplicate().unwrap(), body.load.duplicate().unwrap()];
+    let [mut found, mut expected] = [body.terms.load.duplicate().unwrap(), body.terms.load.duplicate().unwrap()];
     body.apply_mass(&body.deviates, &mut found).unwrap();
     body.mass.mult(&body.deviates, &mut expected).unwrap();
     let largest = expected.norm_max().unwrap();

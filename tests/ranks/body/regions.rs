@@ -75,15 +75,15 @@ fn areas_of_parts_on_every_space(session: &Session) {
         ("bottom", "{ rim = 1.0 }".to_owned(), x * y),
     ] {
         for (name, body) in bodies(session, surface, &within) {
-            let (translation, multiplicity) = (&body.translation, body.multiplicity);
+            let (translation, multiplicity) = (&body.terms.translation, body.terms.multiplicity);
             let mut product = translation.duplicate().unwrap();
             let mut along = |matrix: &Option<petsc_wrap::Matrix>| {
                 matrix.as_ref().unwrap().mult(translation, &mut product).unwrap();
                 multiplicity * product.dot(translation).unwrap()
             };
-            let found = [along(&body.support) / K, along(&body.damping) / C, {
+            let found = [along(&body.terms.support) / K, along(&body.terms.damping) / C, {
                 // Opposite to the direction of travel.
-                -multiplicity * body.load.dot(translation).unwrap() / PRESSURE
+                -multiplicity * body.terms.load.dot(translation).unwrap() / PRESSURE
             }];
             // The compression of half of the thickness is in series with springs on the face of a plate.
             let is_on_face = name.contains("plate") && surface != "side";
@@ -122,15 +122,15 @@ fn areas_of_parts_of_a_mesh(session: &Session) {
         ),
     ] {
         let body = body(within).unwrap();
-        let mut product = body.translation.duplicate().unwrap();
-        body.support.as_ref().unwrap().mult(&body.translation, &mut product).unwrap();
-        let found = product.dot(&body.translation).unwrap() / K;
+        let mut product = body.terms.translation.duplicate().unwrap();
+        body.terms.support.as_ref().unwrap().mult(&body.terms.translation, &mut product).unwrap();
+        let found = product.dot(&body.terms.translation).unwrap() / K;
         assert!((found / area - 1.0).abs() < 1e-9, "{within}: {found} {area}");
         // ∫ x² dA with the field u_z = x; it would be wrong if shape functions were evaluated at the wrong place.
-        let mut tilted = body.translation.duplicate().unwrap();
+        let mut tilted = body.terms.translation.duplicate().unwrap();
         let nodes = body.nodes.as_ref().unwrap();
         tilted.write().unwrap().chunks_exact_mut(3).zip(nodes).for_each(|(u, x)| u.copy_from_slice(&[0.0, 0.0, x[0]]));
-        body.support.as_ref().unwrap().mult(&tilted, &mut product).unwrap();
+        body.terms.support.as_ref().unwrap().mult(&tilted, &mut product).unwrap();
         let found = product.dot(&tilted).unwrap() / K;
         assert!((found / square - 1.0).abs() < 1e-9, "{within}: {found} {square}");
     }
@@ -150,9 +150,9 @@ fn a_strip_that_cuts_cells_is_that_of_a_mesh_with_its_edge(session: &Session) {
         let mesh = Mesh::new(&session.world(), &scene.body).unwrap();
         let body = Body::solid(&scene, &mesh).unwrap();
         let operator = body.operator(0.0, 0.0).unwrap();
-        let mut moved = body.load.duplicate().unwrap();
-        body.solver(&operator).unwrap().solve(&body.load, &mut moved).unwrap();
-        body.multiplicity * body.load.dot(&moved).unwrap()
+        let mut moved = body.terms.load.duplicate().unwrap();
+        body.solver(&operator).unwrap().solve(&body.terms.load, &mut moved).unwrap();
+        body.terms.multiplicity * body.terms.load.dot(&moved).unwrap()
     };
     // Cells of 30 mm, and of 27 and 25 mm.
     let [with_edge, cut, cut_elsewhere] = [[20, 16], [22, 18], [24, 20]].map(work);

@@ -20,7 +20,7 @@ impl Dense {
         let Parts { body, lumped, .. } = parts;
         let mut stiffness = body.combination(0.0, 0.0).unwrap();
         if let Some(pads) = &mut body.pads {
-            let mut pressed = body.load.duplicate().unwrap();
+            let mut pressed = body.terms.load.duplicate().unwrap();
             pressed.fill(-1.0).unwrap();
             pads.add_tangent(None, &pressed, 1.0, &mut stiffness).unwrap();
             stiffness.assemble().unwrap();
@@ -34,7 +34,7 @@ impl Dense {
             DMatrix::from_diagonal(&lumped.mass.read().unwrap().to_vec().into())
         });
         if let Some(contact) = contact {
-            let a = body.localization.vector.read().unwrap();
+            let a = body.terms.contact.force.read().unwrap();
             let last = free.len();
             let hat: Vec<f64> = free.iter().map(|i| -a[*i]).chain([1.0]).collect();
             stiffness = stiffness.resize(last + 1, last + 1, 0.0);

@@ -79,16 +79,16 @@ fn solve(body: &Body, rate: f64, load: &Vector) -> Vector {
 
 /// Displacement average under a unit force on the whole body, minus the part of it that is in the contact law.
 fn answer(body: &Body, rate: f64) -> f64 {
-    let a = &body.localization;
-    (a.vector.dot(&solve(body, rate, &a.vector)).unwrap() - a.compliance) / body.multiplicity
+    let a = &body.terms.contact;
+    (a.force.dot(&solve(body, rate, &a.force)).unwrap() - a.compliance) / body.terms.multiplicity
 }
 
 /// Displacement average under the scene's loads.
 fn deflection(body: &Body) -> f64 {
-    let mut load = body.load.duplicate().unwrap();
-    load.copy_from(&body.load).unwrap();
-    load.axpy(1.0, &body.support_load).unwrap();
-    body.localization.vector.dot(&solve(body, 0.0, &load)).unwrap()
+    let mut load = body.terms.load.duplicate().unwrap();
+    load.copy_from(&body.terms.load).unwrap();
+    load.axpy(1.0, &body.terms.support_load).unwrap();
+    body.terms.contact.force.dot(&solve(body, 0.0, &load)).unwrap()
 }
 
 /// Compliance of a half-space under Hertz's pressure over a radius of 0.025 m, m/N.
@@ -129,7 +129,7 @@ fn vibrations_between_sliding_walls(session: &Session) {
         let mut krylov = Krylov::new(&body, 3e4).unwrap();
         krylov.grow(&body, 80).unwrap();
         let mut squares =
-            SymmetricEigen::new(krylov.projection(&body).unwrap().elastic).eigenvalues.as_slice().to_vec();
+            SymmetricEigen::new(krylov.projection(&body).unwrap().terms.elastic).eigenvalues.as_slice().to_vec();
         squares.sort_by(f64::total_cmp);
         let error = squares.iter().zip(&exact).take(6).map(|(found, exact)| found / exact - 1.0).fold(0.0, f64::max);
         println!(
@@ -146,7 +146,7 @@ fn vibrations_between_sliding_walls(session: &Session) {
 fn a_free_box_has_six_rigid_motions(_: &Session) {
     let scene = scene("size = [0.13, 0.12, 0.1]", "point = [0.01, 0.02, 0.05]", "[contact]\npatch_radius = 0.02\n");
     let system = block(&scene, 2.0).system;
-    let eigen = SymmetricEigen::new(DMatrix::from(&system.elastic)).eigenvalues;
+    let eigen = SymmetricEigen::new(DMatrix::from(&system.terms.elastic)).eigenvalues;
     let mut values = eigen.as_slice().to_vec();
     values.sort_by(f64::total_cmp);
     let most = values[values.len() - 1];
@@ -221,17 +221,17 @@ fn resultants(_: &Session) {
         let scene = scene(&format!("size = [0.6, 0.4, 0.1]\nsymmetry = \"{symmetry}\""), "", rest);
         let system: System = block(&scene, 2.0).system;
         let (sides, area, volume) = (2.0 * 0.1, 0.24, 0.024);
-        let one = DVector::from_column_slice(&system.translation);
-        let along = |v: &[f64]| system.multiplicity * one.dot(&DVector::from_column_slice(v));
+        let one = DVector::from_column_slice(&system.terms.translation);
+        let along = |v: &[f64]| system.terms.multiplicity * one.dot(&DVector::from_column_slice(v));
         let mass = Some(system.mass.clone());
         for (found, exact) in [
-            (system.multiplicity * product(&mass, &one, &one), 2500.0 * volume),
-            (along(&system.load), 2e4 * volume + 3e3 * area - 5e3 * sides),
-            (along(&system.support_load), 1e9 * 1e-3 * sides),
-            (system.multiplicity * system.support_offset, 0.5 * 1e9 * 1e-6 * sides),
-            (system.multiplicity * product(&system.support, &one, &one), 1e9 * sides + 1e7 * area),
-            (system.multiplicity * product(&system.damping, &one, &one), 4e5 * area),
-            (one.dot(&DVector::from_column_slice(&system.localization)), 1.0),
+            (system.terms.multiplicity * product(&mass, &one, &one), 2500.0 * volume),
+            (along(&system.terms.load), 2e4 * volume + 3e3 * area - 5e3 * sides),
+            (along(&system.terms.support_load), 1e9 * 1e-3 * sides),
+            (system.terms.multiplicity * system.terms.support_offset, 0.5 * 1e9 * 1e-6 * sides),
+            (system.terms.multiplicity * product(&system.terms.support, &one, &one), 1e9 * sides + 1e7 * area),
+            (system.terms.multiplicity * product(&system.terms.damping, &one, &one), 4e5 * area),
+            (one.dot(&DVector::from_column_slice(&system.terms.contact.force)), 1.0),
         ] {
             // Rounding of some thousand terms.
             assert!((found / exact - 1.0).abs() < 1e-10, "{symmetry}: {found} {exact}");

@@ -89,7 +89,7 @@ fn entries_and_fields(session: &Session) {
         for (name, point, direction, nodes) in HITS {
             let name = format!("{name}, element {}", kind.number);
             let (mesh, impact) = start(&world, &scene(&kind, point, direction, 0.0));
-            let a = &impact.body().localization.vector;
+            let a = &impact.body().terms.contact.force;
             let d = unit(direction);
             let mut field = a.duplicate().unwrap();
             let mut reading = |of: fn([f64; 3]) -> [f64; 3]| {
@@ -111,7 +111,7 @@ fn entries_and_fields(session: &Session) {
                 assert!((read - expected).abs() < 1e-14, "{name}: {read} instead of {expected}");
             }
             // A weight that should be zero is so up to the rounding of the point's position in the facet.
-            let entries = impact.body().localization.entries.iter().filter(|(_, value)| value.abs() > 1e-14).count();
+            let entries = impact.body().contact_entries.iter().filter(|(_, value)| value.abs() > 1e-14).count();
             let components = d.iter().filter(|d| **d != 0.0).count();
             // All ranks have all entries.
             assert_eq!(entries, nodes[kind.number] * components, "{name}: entries");
@@ -137,7 +137,7 @@ fn the_same_on_all_numbers_of_ranks(session: &Session) {
     let folder = tempfile::tempdir().unwrap();
     let answer = |comm: &Comm, text: &str| {
         let (_, mut impact) = start(comm, text);
-        let norm = impact.body().localization.vector.norm().unwrap();
+        let norm = impact.body().terms.contact.force.norm().unwrap();
         let series: Vec<[f64; 3]> = run(&mut impact)
             .iter()
             .map(|step| [step.contact.force, step.contact.surface_displacement, step.impactor.position])
@@ -288,7 +288,7 @@ fn newton_matrix(session: &Session) {
 /// Collective.
 fn guessed_approach(impact: &SteppedImpact, gap: f64, step: f64) -> f64 {
     let state = impact.state();
-    let a = &impact.body().localization.vector;
+    let a = &impact.body().terms.contact.force;
     let half = 0.5 * step * step;
     let moved = |x: f64, v: f64, a: f64| x + step * v + half * a;
     let [u, v, acceleration] = [&state.u, &state.v, &state.a].map(|field| a.dot(field).unwrap());
@@ -297,7 +297,7 @@ fn guessed_approach(impact: &SteppedImpact, gap: f64, step: f64) -> f64 {
 
 /// The whole vector a on rank 0, nothing on the others. Collective.
 fn whole(impact: &SteppedImpact) -> Vec<f64> {
-    let a = &impact.body().localization.vector;
+    let a = &impact.body().terms.contact.force;
     let indices: Vec<Int> = if a.comm().is_root() { (0..a.len() as Int).collect() } else { Vec::new() };
     Gather::new(a, &indices).unwrap().fetch(a).unwrap().to_vec()
 }

@@ -107,7 +107,7 @@ fn error(comm: &Comm, impact: &SteppedImpact) -> f64 {
             THICKNESS / 3.0
         ),
     );
-    let patch = impact.body().localization.footprint.patch().expect("a patch");
+    let patch = impact.body().terms.contact.footprint.patch().expect("a patch");
     assert!(!patch.is_coarse() && !patch.is_critical(), "{patch:?}");
     let series = run(&mut impact);
     // k0^{2/5} m0^{3/5} v^{6/5}, N.

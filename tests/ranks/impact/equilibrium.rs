@@ -52,14 +52,15 @@ fn reactions_are_the_weight(session: &Session) {
         u.copy_from(&impact.state().u).unwrap();
         let mut body = impact.into_body();
         let mut reaction = u.duplicate().unwrap();
-        if let Some(support) = &body.support {
+        if let Some(support) = &body.terms.support {
             support.mult(&u, &mut reaction).unwrap();
         }
         if let Some(pads) = &mut body.pads {
             pads.add_force(None, &u, &mut reaction).unwrap();
         }
         // Positive along the impactor's direction, downwards.
-        let (held, load) = (body.translation.dot(&reaction).unwrap(), body.translation.dot(&body.load).unwrap());
+        let (held, load) =
+            (body.terms.translation.dot(&reaction).unwrap(), body.terms.translation.dot(&body.terms.load).unwrap());
         let weight = 2500.0 * 9.80665 * 0.8 * 1.0 * 0.02 + 500.0 * 0.2 * 0.3;
         if world.is_root() {
             println!("  {load} N, {weight} N, {:.1e}", held / load - 1.0);
@@ -234,8 +235,9 @@ fn soft_springs_have_an_equilibrium(session: &Session) {
         u.copy_from(&impact.state().u).unwrap();
         let body = impact.into_body();
         let mut reaction = u.duplicate().unwrap();
-        body.support.as_ref().unwrap().mult(&u, &mut reaction).unwrap();
-        let (held, load) = (body.translation.dot(&reaction).unwrap(), body.translation.dot(&body.load).unwrap());
+        body.terms.support.as_ref().unwrap().mult(&u, &mut reaction).unwrap();
+        let (held, load) =
+            (body.terms.translation.dot(&reaction).unwrap(), body.terms.translation.dot(&body.terms.load).unwrap());
         println!("  {young} Pa: {load} N, {:.1e}", held / load - 1.0);
         assert!((held / load - 1.0).abs() < 1e-6, "{held} {load}");
     }

@@ -131,9 +131,9 @@ fn residual(impact: &SteppedImpact, force: f64) -> f64 {
     let (mut sum, mut product) = (state.u.duplicate().unwrap(), state.u.duplicate().unwrap());
     let terms: [(Option<&Matrix>, &Vector); 4] = [
         (Some(&body.mass), &state.a),
-        (body.damping.as_ref(), &state.v),
-        (Some(&body.elastic), &state.u),
-        (body.support.as_ref(), &state.u),
+        (body.terms.damping.as_ref(), &state.v),
+        (Some(&body.terms.elastic), &state.u),
+        (body.terms.support.as_ref(), &state.u),
     ];
     for (matrix, vector) in terms {
         if let Some(matrix) = matrix {
@@ -141,9 +141,9 @@ fn residual(impact: &SteppedImpact, force: f64) -> f64 {
             sum.axpy(1.0, &product).unwrap();
         }
     }
-    sum.axpy(-force, &body.localization.vector).unwrap();
-    sum.axpy(-1.0, &body.load).unwrap();
-    sum.axpy(-1.0, &body.support_load).unwrap();
+    sum.axpy(-force, &body.terms.contact.force).unwrap();
+    sum.axpy(-1.0, &body.terms.load).unwrap();
+    sum.axpy(-1.0, &body.terms.support_load).unwrap();
     body.clamps.zero(&mut sum).unwrap();
     sum.norm_max().unwrap()
 }

@@ -124,24 +124,24 @@ fn invariants_and_statics(session: &Session) {
             assert_close(&case, what, value, case.number(&format!("invariants.{what}")));
         };
         assert_eq!(solid.unknowns() as f64, case.number("ndof_displacement"));
-        let mut x = solid.load.duplicate().unwrap();
+        let mut x = solid.terms.load.duplicate().unwrap();
         let mut y = x.duplicate().unwrap();
         let mut form = |matrix: &petsc_wrap::Matrix, x: &petsc_wrap::Vector| {
             matrix.mult(x, &mut y).unwrap();
             y.dot(x).unwrap()
         };
-        let support = solid.support.as_ref().expect("unit springs");
+        let support = solid.terms.support.as_ref().expect("unit springs");
         x.fill(1.0).unwrap();
         expect("sum_M", form(&solid.mass, &x));
         expect("sum_S_side", form(support, &x));
         expect("trace_M", solid.mass.trace().unwrap());
-        expect("trace_K", solid.elastic.trace().unwrap());
+        expect("trace_K", solid.terms.elastic.trace().unwrap());
         expect("trace_S_side", support.trace().unwrap());
         expect("frobenius_M", solid.mass.norm_frobenius().unwrap());
-        expect("frobenius_K", solid.elastic.norm_frobenius().unwrap());
+        expect("frobenius_K", solid.terms.elastic.norm_frobenius().unwrap());
         interpolate(&mesh, &mut x, |[x, y, z]| [x * y, y * z, z * x]);
         expect("xMx", form(&solid.mass, &x));
-        expect("xKx", form(&solid.elastic, &x));
+        expect("xKx", form(&solid.terms.elastic, &x));
         expect("xSx_side", form(support, &x));
         if case.name == "plate20-pad" {
             pad(session, &case);
@@ -153,13 +153,13 @@ fn invariants_and_statics(session: &Session) {
 /// Potential and resultant of the pad under a given linear field.
 fn pad(session: &Session, case: &Case) {
     let (mesh, mut solid, _) = case.solid(session, None);
-    let mut u = solid.load.duplicate().unwrap();
+    let mut u = solid.terms.load.duplicate().unwrap();
     // The field of the case is u_z = 1e-3 (x + 0.37 y + 0.031) with the pad's potential over ⟨d·u⟩, d = −e_z.
     interpolate(&mesh, &mut u, |[x, y, _]| [0.0, 0.0, 1e-3 * (x + 0.37 * y + 0.031)]);
     let pads = solid.pads.as_mut().expect("a pad");
     let expected = |what: &str| case.number(&format!("invariants.pad_check.{what}"));
     assert_close(case, "pad potential", pads.potential(&u).unwrap(), expected("potential"));
-    let mut force = solid.load.duplicate().unwrap();
+    let mut force = solid.terms.load.duplicate().unwrap();
     pads.add_force(None, &u, &mut force).unwrap();
     u.fill(-1.0).unwrap();
     assert_close(case, "pad resultant", force.dot(&u).unwrap(), expected("resultant"));
@@ -168,16 +168,16 @@ fn pad(session: &Session, case: &Case) {
 /// A static unit force at the impact point, with clamped sides.
 fn statics(session: &Session, case: &Case) {
     let (_, solid, _) = case.solid(session, Some("[[support]]\nsurface = \"side\"\nkind = \"clamped\"\n"));
-    let mut stiffness = solid.elastic.duplicate().unwrap();
+    let mut stiffness = solid.terms.elastic.duplicate().unwrap();
     stiffness.zero_rows_columns(&solid.clamps.rows, 1.0).unwrap();
     stiffness.declare_positive_definite().unwrap();
-    let a = &solid.localization.vector;
+    let a = &solid.terms.contact.force;
     let mut u = a.duplicate().unwrap();
     solver(&session.world(), "", &stiffness, Method::Cholesky).unwrap().solve(a, &mut u).unwrap();
     let expected = |what: &str| case.number(&format!("static_clamped_unit_load.{what}"));
     assert_close(case, "static u_hit", a.dot(&u).unwrap(), expected("u_hit"));
     let mut product = u.duplicate().unwrap();
-    solid.elastic.mult(&u, &mut product).unwrap();
+    solid.terms.elastic.mult(&u, &mut product).unwrap();
     assert_close(case, "static energy", 0.5 * product.dot(&u).unwrap(), expected("strain_energy"));
 }
 

@@ -84,7 +84,7 @@ fn modal(scene: &Scene, projection: &Projection, step: f64) -> Trace {
 fn stepped(scene: &Scene, body: Body, step: f64) -> Vec<(f64, f64)> {
     let mut scene = scene.clone();
     (scene.time.modal, scene.time.step) = (false, Some(step));
-    let multiplicity = body.multiplicity;
+    let multiplicity = body.terms.multiplicity;
     let mut forces = Vec::new();
     let flow = SteppedImpact::new(&scene, body).unwrap().run(|step: &Step| {
         forces.push((step.time, step.contact.force / multiplicity));
@@ -104,7 +104,7 @@ fn steps_tend_to_modal_coordinates(session: &Session) {
     let mut scene = parse(&laminate(0.00152, 20.0, ""));
     scene.time.end = 1e-4;
     let projection = on_basis(session, &scene, 8);
-    assert!(projection.relaxations[0].chain.terms.len() >= 2, "terms to follow");
+    assert!(projection.terms.relaxations[0].chain.terms.len() >= 2, "terms to follow");
     // In time steps all directions of D relax; in modal coordinates only those that the tolerance requires.
     let reference = modal(&Scene { tolerance: 1e-9, ..scene.clone() }, &projection, 5e-8);
     let alone = session.alone();
@@ -189,13 +189,13 @@ fn another_chain_is_the_body_of_that_chain(session: &Session) {
     let changed = krylov.projection(&*of_cold).unwrap().with_chains(&chains(&warm));
     let basis = krylov.basis();
     let exact = basis.products(&of_warm.apply(Operator::Elastic, basis).unwrap());
-    assert_ne!(changed.relaxations[0].chain, chains(&cold)[0]);
-    assert_eq!(changed.relaxations[0].chain, of_warm.relaxations[0].chain);
+    assert_ne!(changed.terms.relaxations[0].chain, chains(&cold)[0]);
+    assert_eq!(changed.terms.relaxations[0].chain, of_warm.terms.relaxations[0].chain);
     // The first vector of a free body is its translation, for which K is set to zero; the rest is rounding.
     assert!(
-        (&changed.elastic - &exact).amax() < 1e-10 * exact.amax(),
+        (&changed.terms.elastic - &exact).amax() < 1e-10 * exact.amax(),
         "{:e}",
-        (&changed.elastic - &exact).amax() / exact.amax()
+        (&changed.terms.elastic - &exact).amax() / exact.amax()
     );
 }
 

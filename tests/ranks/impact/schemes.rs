@@ -60,7 +60,7 @@ fn the_energy_scheme_keeps_the_total(session: &Session) {
                 let time = format!("end = 0.02\nstep = {step:e}\nscheme = \"energy\"");
                 let rest = format!("{rest}[solver]\nnewton = \"{newton}\"\n");
                 let (_, mut impact) = start(&world, &plate(PLATE, &time, &rest));
-                assert!(impact.body().localization.footprint.patch().is_some());
+                assert!(impact.body().terms.contact.footprint.patch().is_some());
                 let series = run(&mut impact);
                 let drift = drift(&series, |step| step.energy.total);
                 let hits = episodes(&series);

@@ -35,7 +35,7 @@ fn dense(matrix: &Matrix) -> DMatrix<f64> {
 
 /// Shape (uᵀMu = 1) and angular frequency of the free body's lowest elastic mode.
 fn first_elastic_mode(impact: &SteppedImpact) -> (DVector<f64>, f64) {
-    let (mass, stiffness) = (dense(&impact.body().mass), dense(&impact.body().elastic));
+    let (mass, stiffness) = (dense(&impact.body().mass), dense(&impact.body().terms.elastic));
     let factor = mass.cholesky().expect("M is positive definite");
     let half = factor.l().solve_lower_triangular(&stiffness).unwrap();
     let reduced = factor.l().solve_lower_triangular(&half.transpose()).unwrap();
@@ -64,7 +64,7 @@ fn free_vibration(session: &Session) {
         let (_, mut impact) = start(&comm, &text(&format!("end = {end:e}\nstep = {:e}", end / f64::from(steps))));
         assert_eq!(impact.steps(), Some(steps as usize));
         let with = |factor: f64| -> Vector {
-            let mut vector = impact.body().load.duplicate().unwrap();
+            let mut vector = impact.body().terms.load.duplicate().unwrap();
             vector.write().unwrap().copy_from_slice((&shape * factor).as_slice());
             vector
         };

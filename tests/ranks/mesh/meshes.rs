@@ -40,7 +40,7 @@ fn body(comm: &Comm, scene: &Scene) -> Result<Body, Error> {
 
 /// 1ᵀA1 / 3: the mass for M, the area for unit springs.
 fn third_of_sum(matrix: &Matrix, like: &Body) -> f64 {
-    let (mut ones, mut product) = (like.load.duplicate().unwrap(), like.load.duplicate().unwrap());
+    let (mut ones, mut product) = (like.terms.load.duplicate().unwrap(), like.terms.load.duplicate().unwrap());
     ones.fill(1.0).unwrap();
     matrix.mult(&ones, &mut product).unwrap();
     product.dot(&ones).unwrap() / 3.0
@@ -68,7 +68,7 @@ fn volumes_and_areas(session: &Session) {
                 let error = third_of_sum(&body.mass, &body) / DENSITY / volume - 1.0;
                 // Gmsh writes coordinates to 1e-11 of the size (edges of block-hex.msh); sums add rounding.
                 assert!(error.abs() < 1e-10, "{name}, order {order}: volume {error:e} off");
-                let springs = body.support.as_ref().expect("unit springs");
+                let springs = body.terms.support.as_ref().expect("unit springs");
                 let error = third_of_sum(springs, &body) / area - 1.0;
                 assert!(error.abs() < 1e-10, "{name}, order {order}: {surface} {error:e} off");
             }
@@ -84,7 +84,7 @@ fn formats_2_and_4_give_the_same(session: &Session) {
         let scene = scene(&file(name), 2, 0.5, "bottom");
         let mesh = Mesh::new(&world, &scene.body).unwrap();
         let body = Body::solid(&scene, &mesh).unwrap();
-        let mut values: Vec<f64> = [&body.mass, &body.elastic, body.support.as_ref().unwrap()]
+        let mut values: Vec<f64> = [&body.mass, &body.terms.elastic, body.terms.support.as_ref().unwrap()]
             .iter()
             .flat_map(|matrix| [matrix.trace().unwrap(), matrix.norm_frobenius().unwrap()])
             .collect();
@@ -125,7 +125,7 @@ fn mirrored_tetrahedra_are_accepted(session: &Session) {
         let body = body(&session.world(), &scene).unwrap();
         let volume = third_of_sum(&body.mass, &body) / DENSITY;
         assert!((volume - 1.0).abs() < 1e-13, "volume {volume}");
-        body.elastic.norm_frobenius().unwrap()
+        body.terms.elastic.norm_frobenius().unwrap()
     });
     // The same cells with their vertices in another order, so rounding differs.
     assert!((norms[0] / norms[1] - 1.0).abs() < 1e-13, "{norms:?}");

@@ -68,8 +68,9 @@ fn measures_of_graded_boxes_and_quarters(session: &Session) {
             };
             scene.supports = surfaces.iter().map(unit).collect();
             let solid = Body::solid(&scene, &mesh).unwrap();
-            let volume = solid.multiplicity * third_of_sum(&solid.mass, &solid.load) / 2500.0;
-            let springs = solid.multiplicity * third_of_sum(solid.support.as_ref().expect("unit springs"), &solid.load);
+            let volume = solid.terms.multiplicity * third_of_sum(&solid.mass, &solid.terms.load) / 2500.0;
+            let springs = solid.terms.multiplicity
+                * third_of_sum(solid.terms.support.as_ref().expect("unit springs"), &solid.terms.load);
             // Rounding of sums of some thousand entries.
             assert!((volume / (x * y * z) - 1.0).abs() < 1e-12, "{body}: volume {volume}");
             assert!((springs / area - 1.0).abs() < 1e-12, "{body}: {surfaces:?} {springs}");
@@ -199,8 +200,8 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     let mut product = held.duplicate().unwrap();
     matrix.mult(held, &mut product).unwrap();
     let mut force = held.duplicate().unwrap();
-    force.axpy(1e6 / body.multiplicity, &body.localization.vector).unwrap();
-    for (factor, part) in [(1.0, &body.load), (1.0, &body.support_load), (-1.0, &product)] {
+    force.axpy(1e6 / body.terms.multiplicity, &body.terms.contact.force).unwrap();
+    for (factor, part) in [(1.0, &body.terms.load), (1.0, &body.terms.support_load), (-1.0, &product)] {
         force.axpy(factor, part).unwrap();
     }
     body.clamps.zero(&mut force).unwrap();
@@ -211,7 +212,7 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     let mut u = force.duplicate().unwrap();
     ksp.solve(&force, &mut u).unwrap();
     u.axpy(1.0, held).unwrap();
-    let mut displacements = vec![body.localization.vector.dot(&u).unwrap()];
+    let mut displacements = vec![body.terms.contact.force.dot(&u).unwrap()];
     for probe in case.probes {
         let place = [0, 1, 2].map(|i| 0.5 * size[i] * probe[i]);
         let site = mesh.locate(place, scene.impactor.direction);
@@ -227,7 +228,10 @@ fn answer(comm: &Comm, case: &Case, symmetry: &str) -> Answer {
     }
     whole.mult(&u, &mut product).unwrap();
     let pad = body.pads.as_mut().map_or(0.0, |pads| pads.potential(&u).unwrap());
-    Answer { displacements, energies: [0.5 * u.dot(&product).unwrap(), pad].map(|energy| body.multiplicity * energy) }
+    Answer {
+        displacements,
+        energies: [0.5 * u.dot(&product).unwrap(), pad].map(|energy| body.terms.multiplicity * energy),
+    }
 }
 
 /// A quarter gives the displacements and energies of the whole, statically and in a time step, on any number of ranks.

@@ -136,7 +136,7 @@ fn check_radii(session: &Session, radii: &[(f64, [f64; 3])], meshes: &[[usize; 3
             let (time, rest) = ("end = 6.2e-4\nstep = 2e-5", format!("[contact]\npatch_radius = {radius}\n"));
             let (_, mut impact) = start(&world, &plate(&body, time, &rest));
             assert!(
-                impact.body().localization.footprint.patch().is_some_and(|patch| !patch.is_coarse()),
+                impact.body().terms.contact.footprint.patch().is_some_and(|patch| !patch.is_coarse()),
                 "{radius} {cells:?}"
             );
             let peak = peak(&run(&mut impact));

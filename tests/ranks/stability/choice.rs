@@ -17,7 +17,7 @@ fn choice_for_steps(session: &Session) {
     let mut body = solid(&world, COARSE, "");
     let tolerance = 1e-10;
     body.method = Method::Multigrid { tolerance };
-    let mut exact = body.load.duplicate().unwrap();
+    let mut exact = body.terms.load.duplicate().unwrap();
     for (step, method, most) in [
         (2e-6, Method::Incomplete { tolerance }, 20),
         (2e-5, Method::Incomplete { tolerance }, 20),
@@ -25,7 +25,7 @@ fn choice_for_steps(session: &Session) {
     ] {
         let c2 = 4.0 / (step * step);
         assert_eq!(body.step_method(c2).unwrap(), method, "{step:e}");
-        let b = &body.localization.vector;
+        let b = &body.terms.contact.force;
         let matrix = body.operator(0.0, c2).unwrap();
         solver(&world, "", &matrix, Method::Cholesky).unwrap().solve(b, &mut exact).unwrap();
         for chosen in [&[][..], MULTIGRID] {
@@ -57,7 +57,7 @@ fn a_basis_takes_a_factor_that_fits(session: &Session) {
         body.method = method;
         let mut krylov = Krylov::new(&body, 1e4).unwrap();
         krylov.grow(&body, 8).unwrap();
-        krylov.projection(&body).unwrap().elastic
+        krylov.projection(&body).unwrap().terms.elastic
     });
     // Two factorisations of one matrix: rounding times its condition number.
     let off = (&large - &exact).amax() / exact.amax();

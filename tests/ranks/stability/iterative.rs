@@ -51,7 +51,7 @@ pub(super) fn with_options<T>(session: &Session, chosen: &[(&str, &str)], work: 
 
 /// Number of iterations for S⁻¹a with the options; the solution must equal the direct method's.
 fn iterations(session: &Session, body: &Body, matrix: &Matrix, chosen: &[(&str, &str)]) -> usize {
-    let (world, a) = (session.world(), &body.localization.vector);
+    let (world, a) = (session.world(), &body.terms.contact.force);
     let (mut exact, mut x) = (a.duplicate().unwrap(), a.duplicate().unwrap());
     solver(&world, "", matrix, Method::Cholesky).unwrap().solve(a, &mut exact).unwrap();
     let mut ksp = with_options(session, chosen, || solver(&world, "", matrix, Method::Cholesky).unwrap());
@@ -178,8 +178,8 @@ fn large_bodies(session: &Session) {
             body.method = method;
             if method != Method::Cholesky {
                 let operator = body.operator(2.0 / step, 4.0 / (step * step)).unwrap();
-                let (mut solver, mut x) = (body.solver(&operator).unwrap(), body.load.duplicate().unwrap());
-                solver.solve(&body.localization.vector, &mut x).unwrap();
+                let (mut solver, mut x) = (body.solver(&operator).unwrap(), body.terms.load.duplicate().unwrap());
+                solver.solve(&body.terms.contact.force, &mut x).unwrap();
                 println!("  {method:?}: {} iterations", solver.iterations().unwrap());
                 assert!(solver.iterations().unwrap() <= 20 && !is_direct(&solver).unwrap());
             }

@@ -73,7 +73,7 @@ fn patch_below_the_contact(session: &Session) {
         let mesh = Mesh::new(&world, &scene.body).unwrap();
         Body::solid(&scene, &mesh)
     };
-    let limit = solid(0.02).unwrap().localization.footprint.patch().unwrap().limit_radius;
+    let limit = solid(0.02).unwrap().terms.contact.footprint.patch().unwrap().limit_radius;
     let Err(error) = solid(0.3 * limit) else { panic!("{:e} m is accepted", 0.3 * limit) };
     assert_eq!(error.status(), 2, "{error}");
     assert!(matches!(&error, Error::Fault(fault) if fault.key == "contact.patch_radius"), "{error}");

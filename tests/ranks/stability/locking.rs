@@ -39,13 +39,13 @@ fn deflection(comm: &Comm, shape: Shape, order: usize, cells: usize, thickness: 
     let body = Body::solid(&scene, &mesh).unwrap();
     let operator = body.operator(0.0, 0.0).unwrap();
     let mut solver = solver(comm, "", &operator, Method::Cholesky).unwrap();
-    let mut load = body.load.duplicate().unwrap();
-    load.copy_from(&body.load).unwrap();
+    let mut load = body.terms.load.duplicate().unwrap();
+    load.copy_from(&body.terms.load).unwrap();
     body.clamps.zero(&mut load).unwrap();
     let mut u = load.duplicate().unwrap();
     solver.solve(&load, &mut u).unwrap();
     // The impactor's displacement average is along −z at the middle of the top, which is a vertex.
-    let deflection = body.localization.vector.dot(&u).unwrap();
+    let deflection = body.terms.contact.force.dot(&u).unwrap();
     let bending = YOUNG * thickness.powi(3) / (12.0 * (1.0 - POISSON * POISSON));
     // Timoshenko & Woinowsky-Krieger, Theory of Plates and Shells, 1959, table 35; more digits by G. I. Taylor & S.
     // Govindjee, Solution of clamped rectangular plate problems, Commun. Numer. Methods Eng. 20, 2004.

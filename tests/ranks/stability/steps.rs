@@ -101,7 +101,7 @@ impl Block {
     fn vibrate(&self, comm: &Comm, step: f64, scheme: &str) -> (Vec<Step>, Result<(), Error>) {
         let (scene, _, body) = self.build(comm, step, scheme);
         let mut impact = SteppedImpact::new(&scene, body).unwrap();
-        let zeros = || impact.body().load.duplicate().unwrap();
+        let zeros = || impact.body().terms.load.duplicate().unwrap();
         let (mut u, v, mut a) = (zeros(), zeros(), zeros());
         shake(&mut u);
         // M ü = −K u. If M is not diagonal, the run starts with ü = 0, which serves as well.
@@ -261,7 +261,7 @@ fn row_sums_of_quadratic_tetrahedra(session: &Session) {
     let limit = block.limit(&world, false, critical_frequency(0.0, 0.5));
     for part in [0.95, 0.1] {
         let (scene, _, mut body) = block.build(&world, part * limit, EXPLICIT);
-        let mut ones = body.load.duplicate().unwrap();
+        let mut ones = body.terms.load.duplicate().unwrap();
         ones.fill(1.0).unwrap();
         let mut sums = ones.duplicate().unwrap();
         body.mass.mult(&ones, &mut sums).unwrap();
@@ -274,7 +274,7 @@ fn row_sums_of_quadratic_tetrahedra(session: &Session) {
         assert_eq!(negative, 3 * vertices);
         lumped.mass.copy_from(&sums).unwrap();
         let mut impact = SteppedImpact::new(&scene, body).unwrap();
-        let zeros = || impact.body().load.duplicate().unwrap();
+        let zeros = || impact.body().terms.load.duplicate().unwrap();
         let (mut u, v, a) = (zeros(), zeros(), zeros());
         shake(&mut u);
         let q = impact.state().q;

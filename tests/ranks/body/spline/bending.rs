@@ -15,7 +15,7 @@ pub(super) fn bending_is_all_but_a_constant(session: &Session) {
     for (impactor, rest) in [("mass = 0.004\nspeed = 10.0", ""), ("mass = 5.0\nspeed = 1.0", PULL)] {
         let scene = parse(&glass::scene("size = [0.3, 0.3, 0.03]", impactor, "end = 1e-3", rest));
         let free = parse(&glass::scene("size = [0.3, 0.3, 0.03]", "mass = 5.0\nspeed = 1.0", "end = 1e-3", ""));
-        assert!(10 * block(&free, 1.0).system.load.len() < 7 * block(&scene, 1.0).system.load.len());
+        assert!(10 * block(&free, 1.0).system.terms.load.len() < 7 * block(&scene, 1.0).system.terms.load.len());
     }
 }
 
