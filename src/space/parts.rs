@@ -1,5 +1,6 @@
 //! Parts of the faces of a box on which supports and loads act: grids have lines on their edges and small cells there.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use crate::description::{Description, Extent, Place, Region};
@@ -29,6 +30,8 @@ pub struct Part {
     pub across: usize,
     /// Extent on the face.
     pub extent: Extent,
+    /// Axis along which a box-shaped part is a strip; `None` for other parts.
+    pub along: Option<usize>,
     /// Bedding length (4D/k)^¼ of the most flexible ply, m (Timoshenko & Woinowsky-Krieger, *Theory of Plates and Shells*,
     /// § 57), and at least its thickness, below which a ply does not bend; infinite for a load, and on the sides.
     pub bedding_length: f64,
@@ -54,11 +57,23 @@ pub fn parts(scene: &Scene) -> Vec<Part> {
             let across = faces(&place.surface).first().map_or(struck, |(across, _)| *across);
             let length = if across == struck { length } else { f64::INFINITY };
             let shortest = length.min(plies.shear_length).min(radius);
-            Part { across, extent: place.extent, bedding_length: length, length: shortest }
+            let along = if let Extent::Box(corners) = place.extent { strip_axis(corners, across, size) } else { None };
+            Part { across, extent: place.extent, along, bedding_length: length, length: shortest }
         };
         region.iter().filter(is_part).map(of_place).collect::<Vec<_>>()
     };
     springs.chain(pads).chain(loads).flat_map(of_region).collect()
+}
+
+/// Axis along which a part of a face is a strip, if it is longer along one of the face's axes; `size` is the size of the box.
+fn strip_axis([low, high]: [Vec3; 2], across: usize, size: &Vec3) -> Option<usize> {
+    let [one, other] = faces::along(across);
+    let length = |axis: usize| high[axis].min(0.5 * size[axis]) - low[axis].max(-0.5 * size[axis]);
+    match length(one).total_cmp(&length(other)) {
+        Ordering::Less => Some(other),
+        Ordering::Equal => None,
+        Ordering::Greater => Some(one),
+    }
 }
 
 /// Stiff layers of a body, and the interlayers between them.
@@ -179,13 +194,10 @@ pub struct Edges {
 /// modelled. A part that covers the whole axis has no edges there.
 pub fn edges(parts: &[Part], axis: usize, is_halved: bool, [low, high]: [f64; 2]) -> Vec<Edges> {
     let of_part = |part: &Part| {
-        let (ends, times, is_along) = match part.extent {
+        let (ends, times) = match part.extent {
             Extent::All => return None,
-            Extent::Box([low, high]) => {
-                let [own, other] = [axis, 3 - axis - part.across].map(|axis| high[axis] - low[axis]);
-                ([low[axis], high[axis]], 2, own > other)
-            }
-            Extent::Ball { centre, radius } => ([centre[axis] - radius, centre[axis] + radius], 1, false),
+            Extent::Box([low, high]) => ([low[axis], high[axis]], 2),
+            Extent::Ball { centre, radius } => ([centre[axis] - radius, centre[axis] + radius], 1),
         };
         let mut at = ends;
         if is_halved {
@@ -194,7 +206,7 @@ pub fn edges(parts: &[Part], axis: usize, is_halved: bool, [low, high]: [f64; 2]
         }
         let is_over_plane = is_halved && ends[0] < 0.0 && ends[1] > 0.0;
         let whole = [if is_over_plane { 0.0 } else { at[0] }, at[1]];
-        let near = if is_along { at.map(|at| [at; 2]) } else { [whole; 2] };
+        let near = if part.along == Some(axis) { at.map(|at| [at; 2]) } else { [whole; 2] };
         let is_inside = |at: &f64| low < *at && *at < high;
         at.iter().any(is_inside).then_some(Edges { at, near, times, cell: CELL_OVER_LENGTH * part.length })
     };
