@@ -32,6 +32,7 @@ mod checks;
 mod documents;
 mod ended_runs;
 mod energy_gate;
+mod examples;
 mod fields;
 mod kills;
 mod laws;
@@ -68,6 +69,7 @@ fn main() -> ExitCode {
         .group("documents", documents::TESTS)
         .group("ended_runs", ended_runs::TESTS)
         .group("energy_gate", energy_gate::TESTS)
+        .group("examples", examples::TESTS)
         .group("fields", fields::TESTS)
         .group_unless(tools::vtk(), "fields", fields::BY_VTK)
         .group("kills", kills::TESTS)
