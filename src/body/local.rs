@@ -41,16 +41,6 @@ impl LocalBody {
         Self { system, products: RefCell::default(), classes, exchange: None }
     }
 
-    /// Returns the body with elastic parts in place of the viscoelastic ones, with their secant moduli at a time, s.
-    pub fn with_secant_moduli(&self, time: f64) -> Self {
-        Self {
-            system: self.system.with_secant_moduli(time),
-            products: RefCell::default(),
-            classes: self.classes.iter().map(|class| class.with_secant_moduli(time)).collect(),
-            exchange: self.exchange.clone(),
-        }
-    }
-
     /// The matrices and vectors of the body.
     pub fn system(&self) -> &System {
         &self.system

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::solve::Method;
 
 use super::deviates::normal;
-use super::{Body, BodyTerms, Clamps, PadOnSurface, Pads, Relaxation};
+use super::{Body, BodyTerms, Clamps, PadOnSurface, Pads};
 
 /// Number of matrix entries that fit into the cache of a core. For smaller matrices, products with an upper triangle
 /// are no faster, and extracting it takes long.
@@ -88,15 +88,6 @@ impl System {
         self.terms.load.len()
     }
 
-    /// Returns the body with elastic parts in place of the viscoelastic ones, with their secant moduli at a time, s.
-    pub(super) fn with_secant_moduli(&self, time: f64) -> Self {
-        let mut system = self.clone();
-        for Relaxation { distortion, chain } in std::mem::take(&mut system.terms.relaxations) {
-            system.terms.elastic = add(system.terms.elastic, chain.secant(time) - chain.equilibrium, &distortion);
-        }
-        system
-    }
-
     /// Returns one symmetry class as a separate system.
     pub(super) fn class(&self, number: usize) -> Self {
         let size = self.unknowns() / self.classes;
@@ -123,30 +114,6 @@ impl System {
             classes: 1,
         }
     }
-}
-
-/// Returns A + factor B.
-fn add(mut to: CsrMatrix<f64>, factor: f64, other: &CsrMatrix<f64>) -> CsrMatrix<f64> {
-    let is_within = |row: usize| {
-        let (all, few) = (to.row(row), other.row(row));
-        let mut columns = all.col_indices().iter();
-        few.col_indices().iter().all(|column| columns.any(|of_all| of_all == column))
-    };
-    if !(0..to.nrows()).all(is_within) {
-        return to + other.clone() * factor;
-    }
-    // Usually, the sum has the same entries as A.
-    for row in 0..to.nrows() {
-        let (mut row, other) = (to.row_mut(row), other.row(row));
-        let (columns, values) = row.cols_and_values_mut();
-        let mut entries = columns.iter().zip(values);
-        for (column, value) in other.col_indices().iter().zip(other.values()) {
-            if let Some((_, sum)) = entries.find(|(of_sum, _)| *of_sum == column) {
-                *sum += factor * value;
-            }
-        }
-    }
-    to
 }
 
 fn matrix_of(alone: &Comm, from: &CsrMatrix<f64>) -> Result<Matrix> {

@@ -139,21 +139,6 @@ impl Judge {
             _ => at_edges.min(of_few),
         }
     }
-
-    /// Scales the errors on `cells`, estimated by comparison with these coarser cells, to `finer` cells by the order of
-    /// convergence.
-    pub fn errors_on_finer(
-        &self,
-        (cells, errors): ([usize; 3], Errors),
-        finer: [usize; 3],
-        scene: &Scene,
-        theory: Model,
-    ) -> Errors {
-        let [before, after] = [cells, finer].map(|cells| ratio(&self.axes(cells, scene, theory)));
-        let fewest = self.axes(cells, scene, theory).iter().map(|(cells, _)| *cells).min();
-        let order = fewest.map_or(0.0, |fewest| self.order(fewest, scene, theory));
-        (before / after).powf(order) * errors
-    }
 }
 
 /// Ratio of the finer to the coarser number of cells along an axis, as the geometric mean over the axes.

@@ -7,7 +7,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::cell_error::{Judge, are_few, finer_size, is_unreliable};
-use super::elastic_cells;
 use super::local_field_error::{local_field_errors, of_hit};
 use super::making::Making;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
@@ -109,23 +108,14 @@ impl Fitted {
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce) and [`build`].
 pub fn fit(making: &Making, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
-    if elastic_cells::serves(scene, theory) {
-        return elastic_cells::fit(making, scene, theory, built, None);
-    }
     refine(making, scene, theory, unrefined(making, scene, built)?, Errors::default())
 }
 
-/// The cells on which `fit` reduces a body. For viscoelastic layers they are found without reducing the viscoelastic
-/// body, which takes longest. Collective.
+/// The cells on which `fit` reduces a body. Collective.
 ///
 /// # Errors
 /// Same as `fit`.
 pub fn cell_size(making: &Making, scene: &Scene, theory: Model, built: Operators) -> Result<CellSize> {
-    if elastic_cells::serves(scene, theory)
-        && let Some(found) = elastic_cells::cell_size(making, scene, theory, &built)?
-    {
-        return Ok(found);
-    }
     let Fitted { size, error, evaluator, reduced, .. } =
         refine(making, scene, theory, unrefined(making, scene, built)?, of_other_bases(scene))?;
     let force = Some(&reduced.force.0);
@@ -213,7 +203,7 @@ pub fn refine(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, o
 }
 
 /// Largest error of the basis of another body on the same cells.
-pub(super) fn of_other_bases(scene: &Scene) -> Errors {
+fn of_other_bases(scene: &Scene) -> Errors {
     Errors::throughout(BASIS_SHARE * scene.tolerance)
 }
 
@@ -255,22 +245,20 @@ pub(super) fn fitted(
 
 /// Whether parts of faces carry supports or loads. Lines on their edges make the numbers of cells no measure of their sizes,
 /// by which a comparison with coarser cells is scaled; so such bodies are compared with finer cells.
-pub(super) fn has_parts(scene: &Scene) -> bool {
+fn has_parts(scene: &Scene) -> bool {
     !parts(scene).is_empty()
 }
 
 /// The force on coarser cells, or on finer ones if a comparison with coarser cells would be unreliable; `None` if there
 /// are no other cells.
-pub(super) fn judge_of(making: &Making, scene: &Scene, theory: Model, fitted: &Fitted) -> Result<Option<Judge>> {
+fn judge_of(making: &Making, scene: &Scene, theory: Model, fitted: &Fitted) -> Result<Option<Judge>> {
     let coarser = cells_of_grid(scene, theory, COARSER_CELL_FACTOR * fitted.size);
     let is_few = fitted.cells.zip(coarser).is_some_and(|(cells, coarser)| match theory {
         Model::Solid => is_unreliable(scene, theory, coarser, cells) || has_parts(scene),
         _ => are_few(cells, coarser) || has_parts(scene),
     });
-    match finer_size_if(is_few, scene, theory, fitted, making.watch) {
-        Some(size) => on_cells_of(making, scene, theory, fitted, size),
-        None => on_coarser_cells(making, scene, theory, fitted),
-    }
+    let finer = finer_size_if(is_few, scene, theory, fitted, making.watch);
+    on_cells_of(making, scene, theory, fitted, finer.unwrap_or(COARSER_CELL_FACTOR * fitted.size))
 }
 
 /// Size of finer cells for a comparison, if there are few cells. The same on all ranks. Collective.
@@ -280,21 +268,9 @@ fn finer_size_if(is_few: bool, scene: &Scene, theory: Model, fitted: &Fitted, wa
     Some(watch.agreed(size.unwrap_or(f64::NAN))).filter(|size| !size.is_nan())
 }
 
-/// The force on coarser cells; `None` if there are no coarser cells.
-pub(super) fn on_coarser_cells(making: &Making, scene: &Scene, theory: Model, fine: &Fitted) -> Result<Option<Judge>> {
-    on_cells_of(making, scene, theory, fine, COARSER_CELL_FACTOR * fine.size)
-}
-
 /// The force on cells of another size; `None` if they are the same cells.
 fn on_cells_of(making: &Making, scene: &Scene, theory: Model, fine: &Fitted, size: f64) -> Result<Option<Judge>> {
-    match build(making, scene, theory, size)? {
-        Built::Operators(built) => on_cells_built(making, scene, fine, built),
-        Built::Given(_) => Ok(None),
-    }
-}
-
-/// The force on the cells of another body; `None` if they are the same cells.
-pub(super) fn on_cells_built(making: &Making, scene: &Scene, fine: &Fitted, built: Operators) -> Result<Option<Judge>> {
+    let Built::Operators(built) = build(making, scene, theory, size)? else { return Ok(None) };
     if built.body.linear().unknowns() == fine.unknowns {
         return Ok(None);
     }

@@ -14,8 +14,7 @@
 //! largest tension of a laminate is often on a face between layers. The layerwise plate is then kept, with its
 //! estimate.
 
-use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR};
-use super::elastic_cells::{self, Coarser};
+use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR, fitted};
 use super::local_field_error::delay_error;
 use super::making::Making;
 use super::mindlin_error::mindlin_error_over_difference;
@@ -23,12 +22,12 @@ use super::reduce::BASIS_SHARE;
 use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, bedding_error, rougher};
 use super::theory::build_thin;
 use super::trials::Trials;
-use super::{Built, Fitted, Model, Operators, Reduced, build, reduce, refine, unrefined};
+use super::{Built, Fitted, Model, Reduced, build, reduce, refine, unrefined};
 use crate::body::ModalBody;
 use crate::description::Description;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors, TIME_STEP_SHARE, beside, joined, rest};
-use crate::scene::{Measure, Model as Theory, Scene, Time};
+use crate::scene::{Body, Measure, Model as Theory, Scene, Time};
 use crate::space::plate;
 use crate::space::spline;
 
@@ -39,16 +38,24 @@ const TOLERANCE_OVER_THEORY_ERROR: f64 = 0.5;
 /// The elastic layerwise plate. Its difference from the plate of [`build_thin`] gives the error of the theory.
 enum Thick {
     /// On cells and a basis for the scene's tolerance.
-    Whole(Fitted),
+    Whole(Box<Fitted>),
     /// On coarser cells, and on a basis for a rough tolerance.
-    Coarser { operators: Operators, reduced: Reduced },
+    Coarser(Box<Reduced>),
 }
 
 impl Thick {
     fn reduced(&self) -> &Reduced {
-        let (Self::Whole(Fitted { reduced, .. }) | Self::Coarser { reduced, .. }) = self;
-        reduced
+        match self {
+            Self::Whole(fitted) => &fitted.reduced,
+            Self::Coarser(reduced) => reduced,
+        }
     }
+}
+
+/// The scene with elastic layers in place of the viscoelastic ones, with their secant moduli at half the contact time.
+fn with_secant_moduli(scene: &Scene) -> Scene {
+    let composition = scene.body.composition.with_secant_moduli(scene.impactor.moduli_time());
+    Scene { body: Body { composition, ..scene.body.clone() }, ..scene.clone() }
 }
 
 /// Change of the force on a basis if its modes have the exact frequencies of flexural waves. Collective.
@@ -62,7 +69,7 @@ fn error_of_frequencies(making: &Making, elastic: &Scene, reduced: &Reduced) -> 
 
 /// The layerwise plate; `None` if the solid is needed. Collective.
 pub(super) fn layered(making: &Making, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<Model>> {
-    let elastic = elastic_cells::elastic(scene);
+    let elastic = with_secant_moduli(scene);
     let elastic = Scene { time: Time { modal: true, ..scene.time.clone() }, ..elastic };
     let rough = rougher(&elastic);
     let layerwise = |scene: &Scene, size: f64| match build(making, scene, Theory::Layerwise, size)? {
@@ -74,11 +81,9 @@ pub(super) fn layered(making: &Making, scene: &Scene, passed: &mut Vec<String>) 
     // Cells and basis are not checked yet. Their part of the difference is small, and so is their effect on the
     // estimate.
     let thick = if relaxes {
-        let operators = layerwise(&elastic, COARSER_CELL_FACTOR)?;
-        let reduced = reduce(making, operators.body.linear(), &rough)?;
-        Thick::Coarser { operators, reduced }
+        Thick::Coarser(Box::new(reduce(making, layerwise(&elastic, COARSER_CELL_FACTOR)?.body.linear(), &rough)?))
     } else {
-        Thick::Whole(unrefined(making, &elastic, layerwise(&elastic, 1.0)?)?)
+        Thick::Whole(Box::new(unrefined(making, &elastic, layerwise(&elastic, 1.0)?)?))
     };
     let thin = reduce(making, build_thin(making.comm, &rough)?.body.linear(), &rough)?;
     let difference = thick.reduced().force.0.difference(&thin.force.0);
@@ -126,19 +131,12 @@ pub(super) fn layered(making: &Making, scene: &Scene, passed: &mut Vec<String>) 
     } else {
         passed.push(judged);
     }
-    let (whole, coarser) = match thick {
-        Thick::Whole(thick) => (Some(thick).filter(|_| left.tolerance >= tolerance), None),
-        Thick::Coarser { operators, reduced } => (None, Some(Coarser { operators, vectors: reduced.counts() })),
-    };
-    let model = if elastic_cells::serves(scene, Theory::Layerwise) {
-        let operators = layerwise(&left, 1.0)?;
-        let fitted = elastic_cells::fit(making, &left, Theory::Layerwise, operators, coarser)?;
-        Model::on_basis(making, scene, Theory::Layerwise, fitted)?
-    } else if scene.time.modal {
-        drop(coarser);
-        let on_first_cells = match whole {
-            Some(thick) => thick,
-            None => unrefined(making, &left, layerwise(&left, 1.0)?)?,
+    let model = if scene.time.modal {
+        let on_first_cells = match thick {
+            Thick::Whole(thick) if left.tolerance >= tolerance => *thick,
+            // The basis of the elastic plate, for a rough tolerance, is a first guess of that of the viscoelastic one.
+            Thick::Coarser(reduced) => fitted(making, &left, layerwise(&left, 1.0)?, (1.0, Some(reduced.counts())))?,
+            Thick::Whole(_) => unrefined(making, &left, layerwise(&left, 1.0)?)?,
         };
         let fitted = refine(making, &left, Theory::Layerwise, on_first_cells, Errors::default())?;
         Model::on_basis(making, scene, Theory::Layerwise, fitted)?

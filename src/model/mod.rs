@@ -2,7 +2,6 @@
 
 mod cell_error;
 mod cells;
-mod elastic_cells;
 mod error_factors;
 mod judgement;
 mod layers;
