@@ -167,6 +167,7 @@ fn main() -> ExitCode {
         stability::order,
         stability::steps,
     )
+    .group("contact::localisation", &[2], contact::localisation::ON_SEVERAL)
     .group("body::lumped", &[1], body::lumped::ALONE)
     .group("body::layers", &[1], body::layers::ALONE)
     .group("body::layerwise", &[1], body::layerwise::ALONE)
@@ -175,6 +176,7 @@ fn main() -> ExitCode {
     .long_group("mesh::symmetry", &[3], mesh::symmetry::TESTS)
     .long_group("contact::laws", &[3], contact::laws::TESTS)
     .long_group("contact::localisation", &[3], contact::localisation::TESTS)
+    .long_group("contact::localisation", &[3], contact::localisation::ON_SEVERAL)
     .long_group("contact::patch", &[3], contact::patch::TESTS)
     .long_group("contact::patch_radius", &[3], contact::patch_radius::TESTS)
     .long_group("body::convergence", &[3], body::convergence::TESTS)
