@@ -20,9 +20,17 @@ const DENSITY: f64 = 2500.0;
 
 /// A scene with a body from a mesh file, hit from above at `height`, with unit springs on one surface.
 fn scene(mesh: &Path, order: usize, height: f64, surface: &str) -> Scene {
+    supported(mesh, order, height, &[(surface, "1.0")])
+}
+
+/// The same with springs of a stiffness each on surfaces.
+fn supported(mesh: &Path, order: usize, height: f64, springs: &[(&str, &str)]) -> Scene {
+    let support = |(surface, stiffness): &(&str, &str)| {
+        format!("[[support]]\nsurface = {surface:?}\nkind = \"elastic\"\nstiffness = {stiffness}\n")
+    };
+    let supports: String = springs.iter().map(support).collect();
     let text = format!(
-        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = {DENSITY}\nmesh = {mesh:?}\norder = {order}\n\
-         [[support]]\nsurface = {surface:?}\nkind = \"elastic\"\nstiffness = 1.0\n\
+        "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = {DENSITY}\nmesh = {mesh:?}\norder = {order}\n{supports}\
          [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\npoint = [0.0, 0.0, {height}]\n\
          [time]\nend = 5e-5\nstep = 1e-6\n\
          [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n"
@@ -38,12 +46,17 @@ fn body(comm: &Comm, scene: &Scene) -> Result<Body, Error> {
     Body::solid(scene, &Mesh::new(comm, &scene.body)?)
 }
 
-/// 1ᵀA1 / 3: the mass for M, the area for unit springs.
-fn third_of_sum(matrix: &Matrix, like: &Body) -> f64 {
+/// 1ᵀA1 for the displacements along each axis: the mass for M, the area for unit springs.
+fn sums(matrix: &Matrix, like: &Body) -> [f64; 3] {
     let (mut ones, mut product) = (like.terms.load.duplicate().unwrap(), like.terms.load.duplicate().unwrap());
-    ones.fill(1.0).unwrap();
-    matrix.mult(&ones, &mut product).unwrap();
-    product.dot(&ones).unwrap() / 3.0
+    [0, 1, 2].map(|axis| {
+        let first = ones.range().start as usize;
+        for (i, value) in ones.write().unwrap().iter_mut().enumerate() {
+            *value = f64::from(u8::from((first + i) % 3 == axis));
+        }
+        matrix.mult(&ones, &mut product).unwrap();
+        product.dot(&ones).unwrap()
+    })
 }
 
 /// Volumes and areas agree with the geometry, on any number of ranks.
@@ -63,13 +76,18 @@ fn volumes_and_areas(session: &Session) {
     ];
     for (name, height, volume, surfaces) in cases {
         for order in [1, 2] {
-            for (surface, area) in surfaces {
-                let body = body(&session.world(), &scene(&file(name), order, height, surface)).unwrap();
-                let error = third_of_sum(&body.mass, &body) / DENSITY / volume - 1.0;
+            // Unit springs along another axis on each surface: one body has the areas of all.
+            let along = ["[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"];
+            let springs: Vec<_> = surfaces.iter().zip(along).map(|((surface, _), axis)| (*surface, axis)).collect();
+            let body = body(&session.world(), &supported(&file(name), order, height, &springs)).unwrap();
+            for mass in sums(&body.mass, &body) {
+                let error = mass / DENSITY / volume - 1.0;
                 // Gmsh writes coordinates to 1e-11 of the size (edges of block-hex.msh); sums add rounding.
                 assert!(error.abs() < 1e-10, "{name}, order {order}: volume {error:e} off");
-                let springs = body.terms.support.as_ref().expect("unit springs");
-                let error = third_of_sum(springs, &body) / area - 1.0;
+            }
+            let found = sums(body.terms.support.as_ref().expect("unit springs"), &body);
+            for ((surface, area), found) in surfaces.iter().zip(found) {
+                let error = found / area - 1.0;
                 assert!(error.abs() < 1e-10, "{name}, order {order}: {surface} {error:e} off");
             }
         }
@@ -123,7 +141,7 @@ fn mirrored_tetrahedra_are_accepted(session: &Session) {
     let norms = [text, exchanged].map(|text| {
         let scene = scene(&write(&folder, &text), 2, 0.5, "top");
         let body = body(&session.world(), &scene).unwrap();
-        let volume = third_of_sum(&body.mass, &body) / DENSITY;
+        let volume = sums(&body.mass, &body)[0] / DENSITY;
         assert!((volume - 1.0).abs() < 1e-13, "volume {volume}");
         body.terms.elastic.norm_frobenius().unwrap()
     });
