@@ -282,7 +282,7 @@ fn check_boxes_as_meshes(session: &Session, chosen: Range<usize>) {
             "point = [0.05, 0.02, 0.03]\ndirection = [0.6, 0.0, -0.8]",
             &springs,
         ),
-        ("size = [0.3, 0.06, 0.06]", "cells = [24, 10, 7]\ngrading = [10, 1.5, 3]", "", &cantilever),
+        ("size = [0.3, 0.06, 0.06]", "cells = [20, 8, 6]\ngrading = [10, 1.5, 3]", "", &cantilever),
         (
             "size = [0.3, 0.06, 0.06]",
             "cells = [16, 8, 8]\ngrading = [10, 1.5, 1.5]",

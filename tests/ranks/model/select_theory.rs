@@ -57,10 +57,12 @@ fn what_rules_a_half_space_out(session: &Session) {
     let comm = session.world();
     let light = "mass = 1e-4\nradius = 0.002";
     let tolerance = "[accuracy]\ntolerance = 1e-1\n";
-    let theory = |impactor: &str, rest: &str| model(&comm, &parse(&ball(impactor, rest))).theory;
+    // The smallest plate whose edges are too far for their echoes to come back within the contact.
+    let small = |text: String| text.replace("[0.4, 0.4", "[0.2, 0.2");
+    let theory = |impactor: &str, rest: &str| model(&comm, &parse(&small(ball(impactor, rest)))).theory;
     assert_eq!(theory(light, tolerance), scene::Model::HalfSpace);
     for (impactor, rest) in [
-        ("mass = 1e-4\nradius = 0.002\npoint = [0.185, 0.0, 0.01]", tolerance.to_owned()),
+        ("mass = 1e-4\nradius = 0.002\npoint = [0.085, 0.0, 0.01]", tolerance.to_owned()),
         ("mass = 1.0\nradius = 0.02", tolerance.to_owned()),
         (light, format!("{tolerance}[strength]\ntension = 45e6\n")),
         (light, format!("{tolerance}quantity = \"stress\"\n")),

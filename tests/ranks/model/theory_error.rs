@@ -334,7 +334,7 @@ fn solid_laminates_bend_under_the_disc(session: &Session) {
     let layers = [layer(0.004, "glass"), layer(0.00038, "soft"), layer(0.01, "glass")].concat();
     let scene = |model: &str, contact: &str| {
         format!(
-            "[body]\nmodel = \"{model}\"\nsize = [0.1, 0.1]\n{layers}\
+            "[body]\nmodel = \"{model}\"\nsize = [0.08, 0.08]\n{layers}\
              [material.glass]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\n\
              [material.soft]\nbulk = 2e9\nshear = 1e7\ndensity = 1100.0\n\
              [impactor]\nmass = 0.5\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
