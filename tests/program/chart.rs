@@ -14,7 +14,7 @@ pub const LONG: &[PlainTest] = tests![errors_fall_with_the_tolerance];
 
 /// A small free plate with one short contact.
 const SCENE: &str = "title = \"Ball on a plate\"\n[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.2, 0.2, 0.01]\n\
-    [impactor]\nmass = 0.05\nradius = 0.02\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 4e-4\n";
+    [impactor]\nmass = 0.05\nradius = 0.02\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n[time]\nend = 1.5e-4\n";
 
 fn ricochet(folder: &Path) -> Command {
     let mut command = Command::cargo_bin("ricochet").expect("the program");
