@@ -28,6 +28,16 @@ prony = [
     { modulus = 2.4010e6, time = 1.0 },
 ]
 """,
+    # Keeps a hundredth of its modulus, so that the plies come apart during the contact.
+    "relaxing": """bulk = 2e9
+shear = 8e5
+prony = [
+    { modulus = 80e6, time = 1e-4 },
+    { modulus = 50e6, time = 1e-3 },
+    { modulus = 30e6, time = 1e-2 },
+    { modulus = 13.6e6, time = 1e-1 },
+]
+""",
     "elastic, 10 MPa": "young = 30e6\npoisson = 0.495\n",
     "elastic, 100 MPa": "young = 300e6\npoisson = 0.495\n",
 }
