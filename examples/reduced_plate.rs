@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let class = body.classes()[0];
     let shift = 15.0 / scene.impactor.contact_time();
 
-    // Vᵀa and VᵀKV give the mobility aᵀ(K + σ²M)⁻¹a on the basis, where M is the identity.
+    // Vᵀa and VᵀKV give the dynamic compliance aᵀ(K + σ²M)⁻¹a on the basis, where M is the identity.
     let compliance = |reduced: &Projection, rate: f64| {
         let force = &reduced.terms.contact.force;
         let mass = DMatrix::from_diagonal_element(force.len(), force.len(), rate * rate);

@@ -30,7 +30,12 @@ impl Projection {
         let terms = self.terms.map(|_, matrix| with_zeros(matrix), |vector| vector.as_slice().to_vec());
         System {
             mass: CsrMatrix::identity(self.vectors()),
-            terms: BodyTerms { infinite_plate: None, ..terms },
+            terms: BodyTerms {
+                // Springs without stiffness hold nothing.
+                support: terms.support.filter(|support| support.values().iter().any(|entry| *entry != 0.0)),
+                infinite_plate: None,
+                ..terms
+            },
             pads: Vec::new(),
             held: Vec::new(),
             exchange: None,

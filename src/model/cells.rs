@@ -25,7 +25,7 @@ use crate::space::{RUNG, rung_below};
 /// Size of the coarser cells relative to the others; and least and largest size of finer cells relative to the present
 /// ones.
 pub(super) const COARSER_CELL_FACTOR: f64 = 1.5;
-pub(super) const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, RUNG];
+const FINER_CELL_FACTORS: [f64; 2] = [1.0 / COARSER_CELL_FACTOR, RUNG];
 
 /// Order of convergence that is not exceeded. Cells of a size between the present and the next one would not be fine enough
 /// even with this order, so that a smaller tolerance never takes fewer cells.
