@@ -17,7 +17,7 @@ const SCENE: &str = include_str!("../scenes/pane.toml");
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (scene, _) = Scene::parse("pane.toml", SCENE, &[])?;
-    let plate = Plate::new(&scene, PlateTheory::Mindlin, &Settings::new(1e-2, PlateTheory::Mindlin))?;
+    let plate = Plate::new(&scene, PlateTheory::Layerwise, &Settings::new(1e-2, PlateTheory::Layerwise))?;
     let body = LocalBody::new(plate.system);
     let class = body.classes()[0];
     let mut krylov = Krylov::new(class, Start::from(15.0 / scene.impactor.contact_time()))?;

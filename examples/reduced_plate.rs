@@ -15,8 +15,8 @@ const SCENE: &str = include_str!("../scenes/pane.toml");
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (scene, _) = Scene::parse("pane.toml", SCENE, &[])?;
     // Mindlin's plate on splines: matrices and vectors of M ü + K u = a F.
-    let settings = Settings::new(1e-2, PlateTheory::Mindlin);
-    let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings)?;
+    let settings = Settings::new(1e-2, PlateTheory::Layerwise);
+    let plate = Plate::new(&scene, PlateTheory::Layerwise, &settings)?;
     let body = LocalBody::new(plate.system);
     let class = body.classes()[0];
     let shift = 15.0 / scene.impactor.contact_time();

@@ -108,7 +108,7 @@ impl Fitted {
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce) and [`build`].
 pub fn fit(making: &Making, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
-    refine(making, scene, theory, unrefined(making, scene, built)?, Errors::default())
+    refine(making, scene, theory, unrefined(making, scene, built)?)
 }
 
 /// The cells on which `fit` reduces a body. Collective.
@@ -117,7 +117,7 @@ pub fn fit(making: &Making, scene: &Scene, theory: Model, built: Operators) -> R
 /// Same as `fit`.
 pub fn cell_size(making: &Making, scene: &Scene, theory: Model, built: Operators) -> Result<CellSize> {
     let Fitted { size, error, evaluator, reduced, .. } =
-        refine(making, scene, theory, unrefined(making, scene, built)?, of_other_bases(scene))?;
+        refined(making, scene, theory, unrefined(making, scene, built)?, of_other_bases(scene))?;
     let force = Some(&reduced.force.0);
     let error = error.map_or_else(Errors::default, |error| with_averaging(evaluator.as_ref(), force, error));
     let local_field = local_field_errors(scene, theory, evaluator.as_ref(), force);
@@ -132,12 +132,16 @@ pub fn unrefined(making: &Making, scene: &Scene, built: Operators) -> Result<Fit
     fitted(making, scene, built, (1.0, None))
 }
 
-/// Refines the cells of a spline body in modal coordinates until its discretisation error is small enough. `of_theory`
-/// is the estimated error of the theory, if it uses a part of the tolerance. Collective.
+/// Refines the cells of a spline body in modal coordinates until its discretisation error is small enough. Collective.
 ///
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce) and [`build`].
-pub fn refine(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, of_theory: Errors) -> Result<Fitted> {
+pub fn refine(making: &Making, scene: &Scene, theory: Model, fine: Fitted) -> Result<Fitted> {
+    refined(making, scene, theory, fine, Errors::default())
+}
+
+/// Same as [`refine`], with the errors of other bodies on the same cells.
+fn refined(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, others: Errors) -> Result<Fitted> {
     let Some(mut cells) = fine.cells.filter(|_| scene.time.modal) else { return Ok(fine) };
     let watch = making.watch;
     let mut judge = match judge_of(making, scene, theory, &fine) {
@@ -155,7 +159,7 @@ pub fn refine(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, o
             let Errors { first_contact, history, stress, .. } = error;
             tracing::info!(size = fine.size, unknowns = fine.unknowns, first_contact, history, stress, "cells");
             fine.error = Some(error);
-            let wanted = allowed(scene, fine.reduced.error.joined(of_theory));
+            let wanted = allowed(scene, fine.reduced.error.joined(others));
             let over = watch.agreed(error.of(scene.measure) / wanted);
             finer = rung_below(over.recip().powf(1.0 / LARGEST_ORDER)).clamp(RUNG * RUNG, RUNG);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);

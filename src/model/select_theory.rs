@@ -1,49 +1,26 @@
-//! Selects the cheapest theory whose error the tolerance of a scene allows. Bodies of several layers are treated in
-//! [`super::layers`].
-//!
-//! Theories are tried from the cheapest that the scene admits. The error of a half-space is estimated from the scene
-//! alone. The error of Mindlin's theory is estimated from its difference from Kirchhoff's in the acceleration of the
-//! first contact ([`super::mindlin_error`]). The first theory with a small enough estimated error is taken.
+//! Selects the cheapest theory whose error the tolerance of a scene allows: a half-space, whose error is estimated from the
+//! scene alone, a plate ([`super::select_plate`]), or the solid.
 
-use std::cell::LazyCell;
 use std::f64::consts::PI;
 
 use crate::contact::zener;
 use crate::error::{Error, Result};
-use crate::impact::{Cause, Errors, Trace, beside};
+use crate::impact::{Cause, Errors, Trace};
 use crate::scene::{Contact, Geometry, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, faces};
 use crate::space::parts::{Part, parts};
 use crate::space::spline;
 
-use super::layers::layered;
 use super::making::Making;
-use super::mindlin_error::mindlin_error_over_difference;
-use super::watch::Watch;
-use super::{Built, Model, Reduced, admits, build, reduce, refine, unrefined};
+use super::select_plate::select_plate;
+use super::{Model, admits};
 
-/// Share of the tolerance for the estimated error of Mindlin's theory.
+/// Share of the tolerance for the estimated error of a plate theory.
 pub(super) const THEORY_SHARE: f64 = 0.75;
-
-/// The same share if Kirchhoff's plate is not computed and the difference is taken to be the whole peak. That estimate
-/// is so high that a larger share would raise the sum of all estimates above the tolerance.
-const UNCOMPARED_THEORY_SHARE: f64 = 0.2;
 
 /// Largest estimated error with which a plate theory replaces a solid that would need a mesh. On the window pane of
 /// docs/performance.md quadratic hexahedra had an error of 10% after half an hour, and the error of a mesh is not
 /// estimated.
 pub(super) const LARGEST_ERROR_INSTEAD_OF_MESH: f64 = 0.1;
-
-/// Tolerance of Kirchhoff's plate, which is computed for that difference only, relative to the scene's tolerance; and
-/// its largest value.
-const ROUGH_TOLERANCE_FACTOR: f64 = 10.0;
-const LARGEST_ROUGH_TOLERANCE: f64 = 0.1;
-
-/// Least relative difference assumed between the forces of the two plate theories. If even this difference is too large
-/// for Mindlin's theory, rough plates are computed first, to rule it out. An estimate: thick plates were measured to
-/// differ by 0.08 to 0.15. The next constant is the error on rough plates, over the theory's share of the tolerance,
-/// that rules it out.
-const LEAST_DIFFERENCE: f64 = 0.03;
-const RULED_OUT_FACTOR: f64 = 1.5;
 
 /// Least ratio of the edges to the thickness of a box that counts as a plate.
 const LEAST_SLENDERNESS: f64 = 4.0;
@@ -67,8 +44,12 @@ pub(super) fn select_theory(making: &Making, scene: &Scene) -> Result<Model> {
         return Ok(Model { reason: Some(reason), ..model });
     }
     let is_layered = scene.body.composition.uniform().is_none();
-    let least = if is_layered { Theory::Layerwise } else { Theory::Kirchhoff };
-    let plates = slender(scene).and_then(|()| admits(scene, least)).and_then(|()| check_uncompressed(scene));
+    let plate = if is_layered { Theory::Layerwise } else { Theory::Mindlin };
+    let thin = if is_layered { Theory::Layerwise } else { Theory::Kirchhoff };
+    let plates = slender(scene)
+        .and_then(|()| admits(scene, plate))
+        .and_then(|()| admits(scene, thin))
+        .and_then(|()| check_uncompressed(scene));
     match plates {
         Err(reason) => passed.push(format!("no plate theory applies: {reason}")),
         Ok(()) if !scene.time.modal && scene.solver.newton == Newton::Full => {
@@ -96,7 +77,7 @@ pub(super) fn select_theory(making: &Making, scene: &Scene) -> Result<Model> {
                 "its only material is viscoelastic, and the error of a plate theory is not estimated for that; body.model = \"layerwise\" computes it as a plate".to_owned(),
             );
         }
-        Ok(()) => match if is_layered { layered } else { plate }(making, scene, &mut passed) {
+        Ok(()) => match select_plate(making, scene, plate, &mut passed) {
             Ok(Some(model)) => return Ok(Model { reason: Some(passed.join("; ")), ..model }),
             Ok(None) => {}
             // The solid may succeed where a plate fails.
@@ -198,124 +179,6 @@ fn check_uncompressed(scene: &Scene) -> std::result::Result<(), String> {
         )),
         None => Ok(()),
     }
-}
-
-/// Tries Kirchhoff's and Mindlin's plates; `None` if the solid is needed.
-fn plate(making: &Making, scene: &Scene, passed: &mut Vec<String>) -> Result<Option<Model>> {
-    let tolerance = scene.tolerance;
-    let modal = Scene { time: crate::scene::Time { modal: true, ..scene.time.clone() }, ..scene.clone() };
-    let operators = |scene: &Scene, theory| match build(making, scene, theory, 1.0)? {
-        Built::Operators(operators) => Ok(operators),
-        Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
-    };
-    if let Err(reason) = admits(scene, Theory::Mindlin) {
-        passed.push(format!(
-            "the error of Kirchhoff's theory cannot be estimated, since Mindlin's does not apply: {reason}"
-        ));
-        return Ok(None);
-    }
-    let part = mindlin_error_over_difference(scene);
-    let rough = rougher(&modal);
-    let on_rough = |theory| reduce(making, operators(&rough, theory)?.body.linear(), &rough);
-    // Reason why splines cannot model the solid, evaluated only where the theory's error is above its share. With a
-    // given scheme and no basis, the solid is a mesh in any case.
-    let no_splines = LazyCell::new(|| if scene.is_reduced() { spline::admits(scene).err() } else { None });
-    let is_too_large = |error_over_tolerance: f64, factor: f64| {
-        let instead_of_mesh = || THEORY_SHARE.max(LARGEST_ERROR_INSTEAD_OF_MESH / tolerance);
-        error_over_tolerance > factor * THEORY_SHARE
-            && (no_splines.is_none() || error_over_tolerance > factor * instead_of_mesh())
-    };
-    let mut thin = None;
-    // If rough plates clearly rule out the theory, no fine plate is computed.
-    if is_too_large(part * LEAST_DIFFERENCE / tolerance, 1.0) {
-        let kirchhoff = on_rough(Theory::Kirchhoff)?;
-        let compared = Compared::new(scene, part, &on_rough(Theory::Mindlin)?, &kirchhoff, making.watch);
-        if is_too_large(compared.error_over_tolerance, RULED_OUT_FACTOR) {
-            passed.push(compared.ruled_out(scene));
-            return Ok(None);
-        }
-        thin = Some(kirchhoff);
-    }
-    // Cells and basis are not checked yet. Their part of the difference is small, and so is their effect on the
-    // estimate.
-    let thick = unrefined(making, &modal, operators(&modal, Theory::Mindlin)?)?;
-    let of_theory = if part <= UNCOMPARED_THEORY_SHARE * tolerance {
-        passed.push(format!(
-            "estimated error of mindlin relative to solid: {part:.1e}, even if kirchhoff differed from it by the whole peak"
-        ));
-        Errors::throughout(part)
-    } else {
-        let thin = thin.map_or_else(|| on_rough(Theory::Kirchhoff), Ok)?;
-        let compared = Compared::new(scene, part, &thick.reduced, &thin, making.watch);
-        if is_too_large(compared.error_over_tolerance, 1.0) {
-            passed.push(compared.ruled_out(scene));
-            return Ok(None);
-        }
-        let is_above_its_part = compared.error_over_tolerance > THEORY_SHARE;
-        passed.push(match is_above_its_part.then(|| no_splines.as_ref()).flatten() {
-            Some(reason) => compared.in_place_of_mesh(scene, reason),
-            None => compared.judged,
-        });
-        compared.errors
-    };
-    let of_theory = of_theory.joined(bedding_error(scene, &thick.reduced.force.0));
-    let model = match scene.time.modal {
-        true => {
-            let fitted = refine(making, &modal, Theory::Mindlin, thick, of_theory)?;
-            Model::on_basis(making, scene, Theory::Mindlin, fitted)?
-        }
-        false => Model::of(making, scene, Theory::Mindlin)?,
-    };
-    Ok(Some(model.with_error(Cause::Theory, of_theory)))
-}
-
-/// Comparison of Mindlin's plate with Kirchhoff's.
-struct Compared {
-    /// Estimated errors of Mindlin's theory.
-    errors: Errors,
-    /// The error in the quantity that the tolerance applies to, over the tolerance.
-    error_over_tolerance: f64,
-    /// Reason in words, for the results.
-    judged: String,
-}
-
-impl Compared {
-    /// Compares the forces; `part` is the estimated error of Mindlin's theory over the difference. Collective.
-    fn new(scene: &Scene, part: f64, thick: &Reduced, thin: &Reduced, watch: &dyn Watch) -> Self {
-        let difference = thick.force.0.difference(&thin.force.0);
-        let errors = part * difference;
-        let (differ, error) = (difference.of(scene.measure), errors.of(scene.measure));
-        let (of_what, part) = (scene.of_measure(), scene.in_measured_part());
-        let judged = format!(
-            "kirchhoff and mindlin differ by {differ:.1e}{of_what}{part}; estimated error of mindlin relative to solid: {}",
-            beside(error, THEORY_SHARE * scene.tolerance)
-        );
-        Self { errors, error_over_tolerance: watch.agreed(error / scene.tolerance), judged }
-    }
-
-    /// Reason for taking the solid.
-    fn ruled_out(&self, scene: &Scene) -> String {
-        format!("{}, so the solid is used", self.above_its_part(scene))
-    }
-
-    /// Reason for taking the plate although its error is above its share: splines do not admit the solid, for `reason`.
-    fn in_place_of_mesh(&self, scene: &Scene, reason: &str) -> String {
-        let above = self.above_its_part(scene);
-        format!(
-            "{above}, but used: splines cannot model its solid ({reason}), and the error of a mesh is not estimated"
-        )
-    }
-
-    fn above_its_part(&self, scene: &Scene) -> String {
-        let share = THEORY_SHARE * scene.tolerance;
-        format!("{}, above {share:.1e}, the theory's share of the tolerance", self.judged)
-    }
-}
-
-/// The scene with a larger tolerance, for bodies that are computed for a difference only.
-pub(super) fn rougher(scene: &Scene) -> Scene {
-    let tolerance = scene.tolerance.max((ROUGH_TOLERANCE_FACTOR * scene.tolerance).min(LARGEST_ROUGH_TOLERANCE));
-    Scene { tolerance, ..scene.clone() }
 }
 
 /// Estimated error of plates due to supports on their faces: of the compression of the thickness, and of the stresses that

@@ -98,8 +98,7 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
         Model::HalfSpace => Ok(()),
         Model::InfinitePlate => thickness(scene).map(|_| ()),
         Model::Kirchhoff => plate::admits(scene, PlateTheory::Kirchhoff),
-        Model::Mindlin => plate::admits(scene, PlateTheory::Mindlin),
-        Model::Layerwise => plate::admits(scene, layerwise(scene)),
+        Model::Mindlin | Model::Layerwise => plate::admits(scene, PlateTheory::Layerwise),
         Model::Auto | Model::Solid => Ok(()),
     }
 }
@@ -134,8 +133,7 @@ pub fn build(&Making { comm, watch, .. }: &Making, scene: &Scene, theory: Model,
             Built::Given(ModalBody::given(Modes::dashpot(impedance)))
         }
         Model::Kirchhoff => of_plate(comm, scene, PlateTheory::Kirchhoff, size)?,
-        Model::Mindlin => of_plate(comm, scene, PlateTheory::Mindlin, size)?,
-        Model::Layerwise => of_plate(comm, scene, layerwise(scene), size)?,
+        Model::Mindlin | Model::Layerwise => of_plate(comm, scene, PlateTheory::Layerwise, size)?,
         Model::Auto | Model::Solid if is_of_splines => {
             let SplineSolid { system, cells: [x, y, z], points } = SplineSolid::new(scene, &spline_settings)?;
             let discretisation = format!("{x} × {y} × {z} cells of splines");
@@ -167,14 +165,16 @@ pub fn build(&Making { comm, watch, .. }: &Making, scene: &Scene, theory: Model,
     }
 }
 
-/// A layerwise plate whose layers have neither shear nor a local field, for estimating the error of the theory.
-/// Collective.
+/// A plate that has neither shear in its stiff layers nor a local field, for estimating the error of the theory:
+/// Kirchhoff's for one layer. Collective.
 ///
 /// # Errors
 /// Same as [`build`].
 pub(super) fn build_thin(comm: &Comm, scene: &Scene) -> Result<Operators> {
-    let settings = plate::Settings { is_thin: true, ..plate_settings(scene, PlateTheory::Layerwise, 1.0)? };
-    let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, PlateTheory::Layerwise, &settings)?;
+    let is_one = scene.body.composition.uniform().is_some();
+    let theory = if is_one { PlateTheory::Kirchhoff } else { PlateTheory::Layerwise };
+    let settings = plate::Settings { is_thin: true, ..plate_settings(scene, theory, 1.0)? };
+    let Plate { system, cells: [x, y], points, .. } = Plate::new(scene, theory, &settings)?;
     loaded(scene, of_grid(comm, scene, (system, points), [x, y, 1], String::new())?)
 }
 
@@ -188,11 +188,6 @@ fn loaded(scene: &Scene, mut operators: Operators) -> Result<Operators> {
         body.take_pads_as_springs()?;
     }
     Ok(operators)
-}
-
-/// The layerwise theory of a scene's plate; for one layer it is Mindlin's.
-fn layerwise(scene: &Scene) -> PlateTheory {
-    if scene.body.composition.uniform().is_some() { PlateTheory::Mindlin } else { PlateTheory::Layerwise }
 }
 
 /// Thickness of a box under the impact point, m, if the impact is normal to the face.
@@ -232,9 +227,9 @@ fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate
     if let Contact::Patch { disc: Some(disc), .. } = scene.contact {
         settings.disc_radius = Some(disc);
     }
-    if matches!(theory, PlateTheory::Mindlin | PlateTheory::Layerwise) {
+    if theory == PlateTheory::Layerwise {
         // A basis with all waves needs cells for all of them.
-        if theory == PlateTheory::Layerwise && !may_leave_short_waves(scene) {
+        if scene.body.composition.uniform().is_none() && !may_leave_short_waves(scene) {
             return Ok(settings);
         }
         let plate = plate::infinite_plate(scene, theory, &settings)?;
@@ -261,8 +256,7 @@ fn may_leave_short_waves(scene: &Scene) -> bool {
 pub(super) fn cells_of_grid(scene: &Scene, theory: Model, size: f64) -> Option<[usize; 3]> {
     let theory = match theory {
         Model::Kirchhoff => PlateTheory::Kirchhoff,
-        Model::Mindlin => PlateTheory::Mindlin,
-        Model::Layerwise => layerwise(scene),
+        Model::Mindlin | Model::Layerwise => PlateTheory::Layerwise,
         Model::Solid if is_of_splines(scene) => return spline::cells(scene, &spline::Settings::of(scene, size)),
         Model::Auto | Model::Solid | Model::HalfSpace | Model::InfinitePlate => return None,
     };

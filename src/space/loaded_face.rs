@@ -2,12 +2,15 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::plate::layer::integrate;
+use crate::element::gauss_legendre;
 use crate::stack::Stack;
 
 /// Value of ξh, h the thickness of the impacted layer, above which a stack responds like the half-space. The difference
 /// is proportional to (ξh)² e^{−2ξh}.
 const HALF_SPACE: f64 = 22.0;
+
+/// Value of x = ξR above which the square of a spread pressure's transform, which decreases as x⁻⁷, is below 1e-9.
+pub(super) const END: f64 = 60.0;
 
 /// Largest number of panels that are integrated as one interval.
 const MOST_PANELS: f64 = 10.0;
@@ -65,4 +68,16 @@ impl<'a> LoadedFace<'a> {
         }
         sum
     }
+}
+
+/// ∫ f dt between two ends, by Gauss's rule of 10 points on each of several panels of at most a given width.
+pub(super) fn integrate(from: f64, to: f64, width: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let rule = gauss_legendre(10);
+    let count = ((to - from) / width).ceil().max(1.0);
+    let half = 0.5 * (to - from) / count;
+    let panel = |i: usize| {
+        let middle = from + (2.0 * i as f64 + 1.0) * half;
+        rule.iter().map(|(x, weight)| half * weight * f(middle + half * x)).sum::<f64>()
+    };
+    (0..count as usize).map(panel).sum()
 }

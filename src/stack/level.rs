@@ -122,12 +122,11 @@ impl<'a> Level<'a> {
         let own = || local.half_space(radius, *depth).by_bessel();
         match &local.carrier {
             Carrier::Layerwise { .. } | Carrier::Sections { .. } => [0.0; 4],
-            Carrier::Plate { pressure, reading } => {
+            Carrier::Plate { pressure } => {
                 let radius = if *pressure == Pressure::Point { radius.max(1e-9 * height) } else { radius };
                 let (plane, (potential, average)) = (pressure.plane(radius), smooth_plane(radius, height));
-                let read = 2.0 * PI * reading;
-                let sum = plane.potential - potential + read * plane.density;
-                let difference = plane.average - average + read * (plane.mean - plane.density);
+                let sum = plane.potential - potential;
+                let difference = plane.average - average;
                 [
                     bending.sum * sum / (2.0 * PI),
                     bending.difference * difference / (2.0 * PI),

@@ -30,17 +30,11 @@ use crate::form::hertz_wave;
 /// Type of the body's model, and the pressure of the force on it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Carrier {
-    /// Plate of Kirchhoff's or Mindlin's theory.
-    ///
-    /// If the displacement under the force is the mean of w + s h² ∇·θ, with s h² the `reading` (m²), the force also
-    /// bends the plate. Then moments have the transform P_w (1 + s h² ξ²) and shear forces P_w. The reading of
-    /// Kirchhoff's plate is 0. Under a point force the moment is infinite on the axis; the field there is evaluated at
-    /// a radius of 1e-9 thicknesses.
+    /// Plate of Kirchhoff's theory. Under a point force the moment is infinite on the axis; the field there is evaluated
+    /// at a radius of 1e-9 thicknesses.
     Plate {
         /// Pressure of the force on the plate.
         pressure: Pressure,
-        /// Reading s h², m².
-        reading: f64,
     },
     /// Plate of the layerwise theory of the same stack.
     Layerwise {
@@ -79,11 +73,8 @@ pub enum Carrier {
 /// Model of a body evaluated by its section resultants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sections {
-    /// Plate with a reading as in [`Carrier::Plate`].
-    Plate {
-        /// Reading s h², m².
-        reading: f64,
-    },
+    /// Plate of Kirchhoff's theory.
+    Plate,
     /// Solid that resolves the thickness, with one layer or several.
     Solid,
     /// Solid with bending only, whose sections have no mean in-plane stress.
@@ -152,7 +143,7 @@ impl Carrier {
     /// Pressure that acts on the body.
     pub fn pressure(&self) -> &Pressure {
         match self {
-            Self::Plate { pressure, .. }
+            Self::Plate { pressure }
             | Self::Layerwise { pressure, .. }
             | Self::Solid { pressure }
             | Self::BentSolid { pressure }

@@ -19,11 +19,8 @@ pub fn on_parabola(z: f64, from: f64) -> f64 {
 /// σ_zz, σ_rz. A stack of several layers must be a solid.
 pub(super) fn along_section(local: &LocalField, node: &Node, depth: f64, body: Sections) -> [f64; 4] {
     let stack = &local.stack;
-    if let Sections::Plate { reading } = body {
-        let bending = local.section.bending(stack, depth);
-        let square = node.wavenumber * node.wavenumber;
-        let moment = (1.0 + reading * square) / square;
-        return [bending.sum * moment, bending.difference * moment, 0.0, bending.shear / node.wavenumber];
+    if body == Sections::Plate {
+        return components(&local.section.response(stack, node.wavenumber, depth));
     }
     let (layer, within) = stack.layer_at(depth);
     let height = stack.layers()[layer].thickness;

@@ -1,10 +1,12 @@
 //! Transverse shear and thickness strain in a stack whose in-plane displacements are linear across each layer.
 //!
-//! The layerwise theory has the in-plane displacements u_j of the faces and interfaces and the mean w of the deflection
-//! over the thickness. Two fields follow from them.
+//! The layerwise theory has the in-plane displacements u_j of the faces and interfaces and a mean w of the deflection over
+//! the thickness. Two fields follow from them.
 //!
 //! **Deflection.** In bending σ_zz is small, so ε_zz = −ν/(1 − ν) ∇·u. The deflection is quadratic across each layer:
-//! w(z) = w + Σ r_j(z) ∇·u_j, where each r_j has the mean 0.
+//! w(z) = w + Σ r_j(z) ∇·u_j. The mean w has the weights of the shear stress of long waves, so that a transverse force at
+//! an edge does its work on it (as in Reissner's theory of one layer). With another mean, supports of edges would act on
+//! ∇·u along a line, for which the energy has no bound: finer cells would yield more and more.
 //!
 //! **Shear stress.** It is zero on the faces and quadratic across each layer. The mean stress τ_i of each layer is unknown.
 //! At an interface the softer of the two layers determines the stress: its ratio to the mean stress of that layer is the
@@ -21,8 +23,9 @@
 //! its own shear strain and the stresses of its interlayers, so that a part of its shear belongs to the strain of the
 //! interlayer. Their squares do not depend on the moduli of softer layers.
 //!
-//! For one layer, w(z) weighted by the parabola of the shear stress is w + ν h²/(60 (1 − ν)) ∇·θ, and κ = 5/6. In long
-//! waves this is Mindlin's plate with κ = 5/(6 − ν).
+//! For one layer γ = ∇w + θ, κ = 5/6, and the unweighted mean of w(z) is w − ν h²/(60 (1 − ν)) ∇·θ. In long waves this is
+//! Mindlin's plate with κ = 5/(6 − ν), but its waves are more accurate: at ξh = 1.6 the frequency is off by 6e-5, for
+//! ν = 0.23, in place of 8e-4.
 
 use nalgebra::DMatrix;
 
@@ -31,12 +34,15 @@ use super::{Layer, Section, Stack};
 /// Shear factor κ of layers that are rigid in shear.
 const RIGID: f64 = 1e3;
 
+/// Relative difference of two means of the deflection that is rounding error.
+const ROUNDING: f64 = 1e-12;
+
 /// Shear and thickness strain of a stack.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transverse {
     /// Shear strain of each layer, from the loaded face down.
     pub shear: Vec<ShearStrain>,
-    /// Mean of r_j over each layer, for all faces and interfaces j, m.
+    /// Mean of r_j over each layer, for all faces and interfaces j, m, without weights.
     pub layer_deflections: Vec<Vec<f64>>,
     /// r_j on the loaded face, m. A mirror-symmetric stack is loaded antisymmetrically, by half of the force on each
     /// face, so that it only bends. Squeezing is a part of the local field.
@@ -96,7 +102,8 @@ impl Transverse {
         let layers = stack.layers();
         let count = layers.len();
         let moduli: Vec<f64> = layers.iter().map(Layer::shear).collect();
-        let distributions = distributions(&long_waves(stack), &moduli);
+        let stresses = long_waves(stack);
+        let distributions = distributions(&stresses, &moduli);
         let deflections = deflections(stack);
         // A, and the forms y as their factors of ∇w (m), u_j and ∇∇·u_j (m²).
         let mut compliance = DMatrix::zeros(count, count);
@@ -114,21 +121,27 @@ impl Transverse {
             forms[(i, 0)] = thickness;
             (forms[(i, 1 + i)], forms[(i, 2 + i)]) = (-1.0, 1.0);
         }
+        // From the mean without weights to that with the weights of the shear stress.
+        let of_face = |j: usize| -> f64 {
+            stresses.iter().enumerate().map(|(i, stress)| stress.mean * forms[(i, count + 2 + j)]).sum()
+        };
+        let force: f64 = stresses.iter().zip(layers).map(|(stress, layer)| stress.mean * layer.thickness).sum();
+        let to_weighted: Vec<f64> = (0..=count).map(|j| of_face(j) / force).collect();
         let (inverse, pivots) = eliminated(compliance, &moduli);
         let forms = &inverse * forms;
         let strain = |i: usize| {
             let thickness = forms[(i, 0)];
-            let over_thickness =
-                |first: usize| (first..=first + count).map(|column| forms[(i, column)] / thickness).collect();
+            let over_thickness = |column: usize| forms[(i, column)] / thickness;
             ShearStrain {
                 factor: thickness * thickness / (pivots[i] * moduli[i]),
-                of_displacements: over_thickness(1),
-                of_dilatations: over_thickness(count + 2),
+                of_displacements: (1..count + 2).map(over_thickness).collect(),
+                of_dilatations: weighted((count + 2..2 * count + 3).map(over_thickness), &to_weighted),
                 thickness,
             }
         };
-        let means = deflections.iter().map(|layer| layer.iter().map(|shape| shape.mean).collect()).collect();
-        let mut face: Vec<f64> = deflections[0].iter().map(|shape| shape.upper).collect();
+        let means =
+            deflections.iter().map(|layer| weighted(layer.iter().map(|shape| shape.mean), &to_weighted)).collect();
+        let mut face = weighted(deflections[0].iter().map(|shape| shape.upper), &to_weighted);
         if is_mirrored(layers) {
             // Half of the load on each face.
             face = (0..=count).map(|j| 0.5 * (face[j] - face[count - j])).collect();
@@ -177,6 +190,14 @@ impl Transverse {
         };
         self.shear.iter().enumerate().map(of_strain).collect()
     }
+}
+
+/// Deflections beyond the weighted mean, from those beyond the mean without weights. Rounding errors are set to zero.
+fn weighted(beyond_mean: impl Iterator<Item = f64>, to_weighted: &[f64]) -> Vec<f64> {
+    let beyond = |(value, shift): (f64, &f64)| {
+        if (value - shift).abs() < ROUNDING * value.abs() { 0.0 } else { value - shift }
+    };
+    beyond_mean.zip(to_weighted).map(beyond).collect()
 }
 
 /// L⁻¹ and the diagonal of D with A = L D Lᵀ up to the order of the rows: layers with larger shear moduli are eliminated
@@ -285,11 +306,13 @@ mod tests {
         Stack::new(&layers.iter().map(layer).collect::<Vec<_>>()).expect("elastic layers")
     }
 
-    /// One layer has κ = 5/6, a parabola of shear stress, and the deflection weighted by it: w + ν h²/(60 (1 − ν)) ∇·θ.
+    /// One layer has κ = 5/6, a parabola of shear stress, and the deflection weighted by it, which is the mean without
+    /// weights plus ν h²/(60 (1 − ν)) ∇·θ.
     #[test]
     fn one_layer() {
         let (h, young, poisson) = (0.02, 70e9, 0.23);
-        let Transverse { shear, face_deflection, .. } = &Transverse::new(&stack(&[(h, young, poisson)]));
+        let Transverse { shear, face_deflection, layer_deflections, .. } =
+            &Transverse::new(&stack(&[(h, young, poisson)]));
         let ShearStrain { factor, of_displacements, of_dilatations, .. } = &shear[0];
         let thinning = poisson / (1.0 - poisson);
         // Products with u = zθ at both faces.
@@ -297,9 +320,10 @@ mod tests {
         let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-12, "{found} {exact}");
         near(*factor, 5.0 / 6.0 * h);
         near(along(of_displacements), 1.0);
-        near(along(of_dilatations), thinning * h * h / 60.0);
-        // The reading of Mindlin's plate, −ν/(12 (1 − ν)) h².
-        near(along(face_deflection), -thinning * h * h / 12.0);
+        assert_eq!(of_dilatations, &[0.0; 2]);
+        near(along(&layer_deflections[0]), -thinning * h * h / 60.0);
+        // −ν/(12 (1 − ν)) h² beyond the mean without weights.
+        near(along(face_deflection), -thinning * h * h / 10.0);
         let modulus = Layer { thickness: h, young, poisson }.shear();
         for part in [0.25, 0.5, 0.9] {
             let stress = Transverse::new(&stack(&[(h, young, poisson)])).stress(0, part, &[modulus]);

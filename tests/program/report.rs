@@ -55,7 +55,7 @@ fn a_plate_in_modal_coordinates() {
             "Young’s modulus",
             "70 GPa",
             "Mindlin’s plate",
-            "by ricochet, the cheapest theory that meets the tolerance. Kirchhoff and mindlin differ by",
+            "by ricochet, the cheapest theory that meets the tolerance. Shear and the local field change mindlin by",
             "cells of splines",
             "Estimated error in the first contact",
             "Estimated error of the deflection under the impactor",

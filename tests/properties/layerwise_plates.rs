@@ -3,7 +3,7 @@
 
 use crate::plates::{Operator, a, answer, navier, plate, rigidity, scene, series};
 use ricochet::scene::Scene;
-use ricochet::space::plate::PlateTheory;
+use ricochet::space::plate::{Disc, PlateTheory};
 
 /// A rectangular laminate of glass, a soft layer and glass (thicknesses in m), with Navier's edge supports.
 fn laminate([x, y]: [f64; 2], layers: [f64; 3], soft: &str) -> Scene {
@@ -28,15 +28,14 @@ fn navier_layerwise() {
         let scene = laminate([0.9, 0.7], layers, "young = 1e8\npoisson = 0.45\ndensity = 1100.0");
         let errors = [2.0, 1.0].map(|cell_size_factor| {
             let plate = plate(&scene, PlateTheory::Layerwise, cell_size_factor);
-            let laminate = plate.laminate.as_ref().unwrap();
-            assert_eq!(plate.system.terms.contact.compliance, -4.0 * laminate.compliance);
-            let (theory, spread) = laminate.infinite();
-            let exact = series([0.9, 0.7], 500, |xi| {
-                theory.face_deflection(&theory.wave(xi)) * spread.square(xi * laminate.radius)
-            });
+            let layers = plate.layers();
+            assert_eq!(plate.system.terms.contact.compliance, -4.0 * layers.compliance);
+            let (theory, Disc { spread, radius }) = (layers.theory(), layers.disc.unwrap());
+            let exact =
+                series([0.9, 0.7], 500, |xi| theory.face_deflection(&theory.wave(xi)) * spread.square(xi * radius));
             1.0 - answer(&plate, 0.0) / exact
         });
-        // Same tolerances as for Mindlin's plate on similar cells.
+        // Same tolerances as for one layer on similar cells.
         assert!(errors[0].abs() < 4e-3 && errors[1].abs() < 4e-4, "{layers:?}: {errors:?}");
     }
 }
@@ -49,10 +48,10 @@ fn softer_interlayers_let_plies_slide() {
         let scene = laminate([0.9, 0.7], [0.01, 0.001, 0.01], &format!("{soft}\ndensity = 2500.0"));
         let plate = plate(&scene, PlateTheory::Layerwise, 1.0);
         let deflection = a(&plate).dot(&Operator::new(&plate, 0.0).solve(&plate, &plate.system.terms.contact.force));
-        (deflection / plate.system.terms.multiplicity, plate.laminate.unwrap().compliance)
+        (deflection / plate.system.terms.multiplicity, plate.layers().compliance)
     };
-    let one = plate(&scene("size = [0.9, 0.7, 0.021]", "", &navier()), PlateTheory::Mindlin, 1.0);
-    let whole = answer(&one, 0.0) + one.local.unwrap().compliance;
+    let one = plate(&scene("size = [0.9, 0.7, 0.021]", "", &navier()), PlateTheory::Layerwise, 1.0);
+    let whole = answer(&one, 0.0) + one.layers().compliance;
     let (deflection, compliance) = yields("young = 70.0001e9\npoisson = 0.23");
     // The discretisation errors of the two plates are some 1e-4.
     let off = (deflection + compliance) / whole - 1.0;

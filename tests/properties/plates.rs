@@ -6,12 +6,12 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nalgebra_sparse::CsrMatrix;
 use ricochet::contact::{ForceLaw, Hertz};
 use ricochet::scene::Scene;
-use ricochet::space::plate::{Plate, PlateTheory, Settings, admits};
+use ricochet::space::plate::{Disc, Plate, PlateTheory, Settings, admits};
 
 const YOUNG: f64 = 70e9;
 const POISSON: f64 = 0.23;
 const DENSITY: f64 = 2500.0;
-pub const THEORIES: [PlateTheory; 2] = [PlateTheory::Kirchhoff, PlateTheory::Mindlin];
+pub const THEORIES: [PlateTheory; 2] = [PlateTheory::Kirchhoff, PlateTheory::Layerwise];
 
 pub fn scene(body: &str, impactor: &str, rest: &str) -> Scene {
     let text = format!(
@@ -120,22 +120,23 @@ fn navier_kirchhoff() {
     assert!(errors[0] < 2e-4 && order > 1.7, "{errors:?}, order {order}");
 }
 
-/// Mindlin's plate under a disc load, with the average of ∇·θ in the load and in the displacement: Γ_M P².
+/// A plate of one layer with shear under a disc load, with the average of ∇·θ in the load and in the displacement:
+/// P² [(1 + s h²ξ²)²/(D ξ⁴) + 6/(5 μ h ξ²)] with s = −ν/(10 (1 − ν)).
 #[test]
-fn navier_mindlin() {
+fn navier_with_shear() {
     let h = 0.04;
     let scene = scene("size = [1.2, 0.9, 0.04]", "", &navier());
-    for settings in [Settings::default(), Settings { shear_factor: Some(5.0 / 6.0), disc: 1.0, ..Settings::default() }]
-    {
+    for settings in [Settings::default(), Settings { disc: 1.0, ..Settings::default() }] {
         let errors = [2.0, 1.0, 0.35].map(|cell_size_factor| {
             let settings = Settings { cell_size_factor, ..settings };
-            let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).unwrap();
-            let local = plate.local.unwrap();
-            assert_eq!(plate.system.terms.contact.compliance, -4.0 * local.compliance);
-            let shear = local.shear_factor * YOUNG / (2.0 * (1.0 + POISSON)) * h;
+            let plate = Plate::new(&scene, PlateTheory::Layerwise, &settings).unwrap();
+            let Disc { spread, radius } = plate.layers().disc.unwrap();
+            assert_eq!(plate.system.terms.contact.compliance, -4.0 * plate.layers().compliance);
+            let shear = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + POISSON)) * h;
+            let reading = -0.1 * POISSON / (1.0 - POISSON);
             let exact = series([1.2, 0.9], 1200, |xi| {
-                let pressure = local.spread.square(xi * local.radius);
-                let bending = (1.0 + local.reading * (h * xi).powi(2)).powi(2) / (rigidity(h) * xi.powi(4));
+                let pressure = spread.square(xi * radius);
+                let bending = (1.0 + reading * (h * xi).powi(2)).powi(2) / (rigidity(h) * xi.powi(4));
                 pressure * (bending + 1.0 / (shear * xi * xi))
             });
             1.0 - answer(&plate, 0.0) / exact
@@ -320,7 +321,7 @@ fn scenes_that_are_no_plates() {
     assert!(near.starts_with("the hit is 1.000e-2 m from an edge"), "{near}");
     for cell_size_factor in [0.0, -1.0, f64::NAN, 1e-3] {
         let settings = Settings { cell_size_factor, ..Settings::default() };
-        let error = Plate::new(&scene(BODY, "", ""), PlateTheory::Mindlin, &settings).expect_err("no cells");
+        let error = Plate::new(&scene(BODY, "", ""), PlateTheory::Layerwise, &settings).expect_err("no cells");
         assert!(error.to_string().contains("cells along an edge"), "{error}");
     }
 }

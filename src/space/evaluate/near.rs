@@ -275,7 +275,7 @@ impl NearHit {
     /// Estimated errors of the tension opposite the impact point due to averaging and to the local field.
     pub fn tension_errors(&self) -> TensionErrors {
         let (own, disc) = (self.hit.pressure.radius(), self.smoothing());
-        let is_plate = matches!(self.hit.body, HitBody::OneLayer(Sections::Plate { .. }) | HitBody::Layerwise(_));
+        let is_plate = matches!(self.hit.body, HitBody::OneLayer(Sections::Plate) | HitBody::Layerwise(_));
         let layer = self.stack.layers()[0].thickness.max(LEAST_LAYER * self.thickness());
         let of_edge = |distance: f64| EDGE_ERROR * (layer / distance).powi(3);
         TensionErrors {
@@ -352,7 +352,7 @@ impl NearHit {
         } else {
             self.as_it_is.get_or_init(|| {
                 let carrier = match body {
-                    HitBody::OneLayer(Sections::Plate { reading }) => Carrier::Plate { pressure, reading: *reading },
+                    HitBody::OneLayer(Sections::Plate) => Carrier::Plate { pressure },
                     HitBody::OneLayer(Sections::Solid) | HitBody::Layers(_) => Carrier::Solid { pressure },
                     HitBody::OneLayer(Sections::BentSolid) => Carrier::BentSolid { pressure },
                     HitBody::Layerwise(theory) => {
@@ -406,8 +406,7 @@ impl NearHit {
     fn of_patch(&self, x: Vec3) -> [f64; 6] {
         let field = self.patch.get_or_init(|| {
             let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 2.0 * self.thickness() };
-            let carrier = Carrier::Plate { pressure, reading: 0.0 };
-            LocalField::new(self.stack.clone(), carrier, self.hit.pressure.radius())
+            LocalField::new(self.stack.clone(), Carrier::Plate { pressure }, self.hit.pressure.radius())
         });
         let place = [self.distance(x), self.depth(x)];
         let mut known = self.of_patch.borrow_mut();

@@ -104,7 +104,7 @@ pub fn phase(scene: &Scene, radius: f64) -> Option<f64> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return None };
     let section = match scene.body.composition.uniform() {
         Some(material) => Section::new(size[axis], material),
-        None => super::laminate::whole_section(scene).ok()?,
+        None => super::layers::whole_section(scene).ok()?,
     };
     Some(radius * TAU / wavelength(&section, 2.0 * contact_time(&section, &scene.impactor)))
 }

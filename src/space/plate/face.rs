@@ -1,6 +1,6 @@
 //! Stresses at the crossings of grid lines on a face of a plate, as products of functions along the axes.
 
-use super::laminate::form::is_rotation;
+use super::layers::profile::is_rotation;
 use crate::form::{Parity, Spline};
 use crate::space::evaluate::{AtPlace, FaceLines, LinePart, Lines};
 
@@ -75,7 +75,7 @@ mod tests {
             );
             let scene = Scene::parse("test", &text, &[]).expect("a scene").0;
             let settings = Settings { cell_size_factor: 2.4, ..Settings::default() };
-            let points = Plate::new(&scene, PlateTheory::Mindlin, &settings).expect("a plate").points;
+            let points = Plate::new(&scene, PlateTheory::Layerwise, &settings).expect("a plate").points;
             let count = points.all_unknowns();
             // One vector in each symmetry class, and one in all of them.
             let classes = points.geometry.classes.len();

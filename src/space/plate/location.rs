@@ -1,30 +1,23 @@
 //! Localisation vector of a plate: where and how it is loaded and its displacement evaluated.
 
-use super::{Local, Points};
+use super::{Disc, Points};
 use crate::form::Spread;
-use crate::form::plate::{deflection, rotation};
+use crate::form::plate::deflection;
 use crate::form::tensor::Part;
 
 /// Localisation vector a of all symmetry classes: a point or the given area for Kirchhoff's theory, a disc or a wide
 /// area for the others, with moments in addition to the deflection.
 pub(super) fn localization(points: &Points) -> Vec<f64> {
-    let Points { geometry, section, local, laminate, .. } = points;
-    match (laminate, local) {
-        (Some(laminate), _) => {
-            let mut parts = laminate.face_deflection();
-            parts.push((1.0, deflection([0, 0])));
-            on_disc(points, (&laminate.spread, laminate.radius), &parts)
-        }
-        (None, Some(Local { spread, radius, reading, .. })) => {
-            let of_stretch = reading * section.thickness.powi(2);
-            let stretch = [rotation(0, [1, 0]), rotation(1, [0, 1])].map(|part| (of_stretch, part));
-            on_disc(points, (spread, *radius), &[(1.0, deflection([0, 0])), stretch[0], stretch[1]])
+    let Points { geometry, layers, .. } = points;
+    let mut parts = layers.face_deflection();
+    parts.push((1.0, deflection([0, 0])));
+    match (layers.disc, &geometry.area) {
+        (Some(Disc { spread, radius }), _) => on_disc(points, (&spread, radius), &parts),
+        (None, Some(area)) => {
+            let (spread, radius) = Spread::of_area(area, 0.0);
+            on_disc(points, (&spread, radius), &parts)
         }
         (None, None) => {
-            if let Some(area) = &geometry.area {
-                let (spread, radius) = Spread::of_area(area, 0.0);
-                return on_disc(points, (&spread, radius), &[(1.0, deflection([0, 0]))]);
-            }
             let mut a = vec![0.0; points.all_unknowns()];
             points.add_point(deflection([0, 0]), geometry.hit, 1.0, &mut a);
             a

@@ -1,5 +1,5 @@
-//! A box impacted on a face, modelled as a thin plate: small linear systems of Kirchhoff's theory, Reissner–Mindlin
-//! theory, or the layerwise theory (Reissner–Mindlin theory in each layer).
+//! A box impacted on a face, modelled as a plate: small linear systems of the layerwise theory (Reissner–Mindlin theory in
+//! each layer), or of Kirchhoff's theory for a thin plate of one layer.
 
 mod boundary;
 mod cells;
@@ -7,8 +7,7 @@ mod clamps;
 mod edges;
 mod face;
 mod geometry;
-mod laminate;
-pub mod layer;
+mod layers;
 mod location;
 mod points;
 mod square;
@@ -17,14 +16,13 @@ mod waves;
 
 pub use cells::{LocalVibrations, ShearTravelTimes, crossing, phase};
 pub(super) use cells::{contact_time, wavelength};
-pub use laminate::{FrequencyRatios, LEAST_LAYER, Laminate, frequency_ratios};
+pub use layers::{Disc, FrequencyRatios, LEAST_LAYER, Layers, frequency_ratios};
 pub use points::Points;
 pub use theory::PlateTheory;
 pub use waves::{classes_of_motions, infinite_plate};
 
 use clamps::held;
 use geometry::PlateGeometry;
-use layer::Layer;
 
 use nalgebra_sparse::CsrMatrix;
 
@@ -33,12 +31,11 @@ use super::parity::repeated;
 use super::parts;
 use super::{SurfaceTerms, rung_below};
 use crate::body::{BodyTerms, ContactPort, Relaxation, StressReadings, System};
-use crate::contact::{Footprint, dent};
+use crate::contact::Footprint;
 use crate::description::Description;
 use crate::error::Result;
 use crate::form::plate::{DEFLECTION, Section};
 use crate::form::tensor::{Integrals, Square};
-use crate::form::{ContactArea, Spread};
 use crate::scene::{Fault, Scene};
 
 /// Options of a plate model that are not part of a scene.
@@ -55,21 +52,13 @@ pub struct Settings {
     ///
     /// [`InfinitePlate`]: crate::body::InfinitePlate
     pub separates_short_waves: bool,
-    /// Shear factor κ of Mindlin's theory. Default: 5/(6 − ν).
-    pub shear_factor: Option<f64>,
-    /// Radius of Mindlin's disc divided by the thickness, if the disc fits within the plate.
+    /// Radius of the loaded disc divided by the thickness of the impacted layer, if the disc fits within the plate.
     pub disc: f64,
     /// Radius of the disc in m, as prescribed by a scene. It takes precedence over `disc`.
     pub disc_radius: Option<f64>,
     /// Whether the stiff layers of the layerwise theory are rigid in shear and the local field under the impactor is
     /// neglected. These are the assumptions of Kirchhoff's theory for a single layer.
     pub is_thin: bool,
-}
-
-/// Default shear factor κ = 5/(6 − ν), which gives the speed of long waves to one order more than Reissner's static 5/6
-/// (Stephen, Mindlin plate theory: best shear coefficient and higher spectra validity, J. Sound Vib. 202, 1997).
-fn shear_factor(poisson: f64) -> f64 {
-    5.0 / (6.0 - poisson)
 }
 
 /// Factor on the size of all cells at the default tolerance.
@@ -102,7 +91,6 @@ impl Default for Settings {
             part_cell_factor: 1.0,
             largest_cell_factor: 1.0,
             separates_short_waves: false,
-            shear_factor: None,
             disc: 2.0,
             disc_radius: None,
             is_thin: false,
@@ -110,25 +98,21 @@ impl Default for Settings {
     }
 }
 
-/// Smallest radius of Mindlin's disc divided by the thickness.
+/// Smallest radius of the loaded disc divided by the thickness of the impacted layer.
 const LEAST_DISC: f64 = 0.5;
 
 /// A plate's linear system and the data from which it was made.
 ///
-/// The unknowns are spline coefficients: first of the deflection w along the impactor's direction (m), then of
-/// Mindlin's rotations θ along the two axes of the plane, ascending (rad). With several layers, the pairs of rotations
-/// follow one another. In Kirchhoff's theory the coefficients of w include its slopes at the ends. The compliance of
-/// the system is −c_M times the symmetry multiplicity, or 0 for Kirchhoff's theory.
+/// The unknowns are spline coefficients: first of the deflection w along the impactor's direction (m), then of the
+/// rotations θ along the two axes of the plane, ascending (rad). With several layers, the pairs of rotations follow one
+/// another. In Kirchhoff's theory the coefficients of w include its slopes at the ends. The compliance of the system is
+/// −c times the symmetry multiplicity, with the local compliance c of the layers.
 #[derive(Debug, Clone)]
 pub struct Plate {
     /// System of M ü + C u̇ + K u = a F + f.
     pub system: System,
     /// Number of cells along both axes of the modelled part.
     pub cells: [usize; 2],
-    /// Local contact model of Mindlin's plate.
-    pub local: Option<Local>,
-    /// Layers and local contact model of a plate with several layers.
-    pub laminate: Option<Laminate>,
     /// Evaluator of displacements and stresses at points of the plate.
     pub points: Points,
 }
@@ -136,26 +120,10 @@ pub struct Plate {
 /// Data of a plate from which its matrices are made.
 struct Outline {
     geometry: PlateGeometry,
-    laminate: Option<Laminate>,
+    layers: Layers,
     section: Section,
-    local: Option<Local>,
     /// Ends of the cells along both axes, m.
     in_plane: [Vec<f64>; 2],
-}
-
-/// Model of the local field under the impactor on a Reissner–Mindlin plate; see [`layer`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Local {
-    /// Shear factor κ.
-    pub shear_factor: f64,
-    /// Pressure on the disc.
-    pub spread: Spread,
-    /// Radius of the disc, m.
-    pub radius: f64,
-    /// Dimensionless s: the displacement of the surface is evaluated as w + s h² ∇·θ.
-    pub reading: f64,
-    /// Local compliance c_M of the whole plate, m/N: α = δ − c_M F.
-    pub compliance: f64,
 }
 
 /// Checks whether a plate theory can model a scene.
@@ -164,28 +132,20 @@ pub struct Local {
 /// The reason why it cannot: one clause.
 pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), String> {
     let geometry = geometry(scene, theory)?;
-    if theory == PlateTheory::Layerwise {
-        Laminate::without_local(scene, &geometry, &Description::new(scene).parts, &Settings::default())?;
-    }
+    Layers::without_local(scene, &geometry, &Description::new(scene).parts, (theory, &Settings::default()))?;
     Ok(())
 }
 
-/// Fault for a scene that a theory cannot model.
-fn fault(theory: PlateTheory, reason: &str) -> Fault {
-    let message = format!("{} cannot model this scene: {reason}", theory.plate());
-    Fault::new("body.model", message, "model = \"solid\"")
+/// Fault for a scene that a plate cannot model.
+fn fault(reason: String) -> Fault {
+    Fault::new("body.model", format!("a plate cannot model this scene: {reason}"), "model = \"solid\"")
 }
 
 fn geometry(scene: &Scene, theory: PlateTheory) -> std::result::Result<PlateGeometry, String> {
     let geometry = PlateGeometry::new(scene)?;
     boundary::check(scene, &geometry, theory)?;
-    let layer = if theory == PlateTheory::Layerwise {
-        laminate::struck_thickness(scene, geometry.thickness)
-    } else {
-        geometry.thickness
-    };
-    let least = LEAST_DISC * layer;
-    if theory.shears() && least > geometry.distance_to_edge() * (1.0 + 1e-9) {
+    let least = LEAST_DISC * layers::struck_thickness(scene, geometry.thickness);
+    if theory == PlateTheory::Layerwise && least > geometry.distance_to_edge() * (1.0 + 1e-9) {
         return Err(format!(
             "the hit is {:.3e} m from an edge, and the disc that it spreads over has a radius of at least {least:.3e} m",
             geometry.distance_to_edge()
@@ -197,38 +157,24 @@ fn geometry(scene: &Scene, theory: PlateTheory) -> std::result::Result<PlateGeom
 impl Outline {
     /// Outline of the plate of a scene and its description.
     fn new(scene: &Scene, description: &Description, theory: PlateTheory, settings: &Settings) -> Result<Self> {
-        let fault = |reason: String| fault(theory, &reason);
         let geometry = geometry(scene, theory).map_err(fault)?;
-        let parts = &description.parts;
-        let laminate = (theory == PlateTheory::Layerwise)
-            .then(|| Laminate::new(scene, &geometry, parts, settings))
-            .transpose()
-            .map_err(fault)?;
-        let section = match &laminate {
-            None => Section::new(geometry.thickness, &scene.body.struck()),
-            Some(laminate) => laminate.section(scene),
-        };
-        let is_mindlin = theory == PlateTheory::Mindlin;
-        let local =
-            is_mindlin.then(|| Local::new(&section, settings, geometry.distance_to_edge(), geometry.area.as_ref()));
-        let disc = laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
+        let layers = Layers::new(scene, &geometry, &description.parts, (theory, settings)).map_err(fault)?;
+        let section = layers.section(scene);
+        let radius = layers.disc.map(|disc| disc.radius);
         let wave = wavelength(&section, contact_time(&section, &scene.impactor));
-        let in_plane = cells::lines(&geometry, &section, (wave, &parts::parts(scene)), disc, settings)
+        let in_plane = cells::lines(&geometry, &section, (wave, &parts::parts(scene)), radius, settings)
             .map_err(|cells| fault(format!("it would take {cells:.0} cells along an edge")))?;
-        Ok(Self { geometry, laminate, section, local, in_plane })
+        Ok(Self { geometry, layers, section, in_plane })
     }
 
     /// Evaluator of the plate's displacements and stresses.
     fn points(self, theory: PlateTheory) -> Points {
-        let Self { geometry, laminate, section, local, in_plane } = self;
-        let tensor = theory.tensor(&in_plane, laminate.as_ref().map_or(1, |laminate| laminate.profile.functions()));
-        let half = 0.5 * geometry.thickness;
-        let mut lines: [Vec<f64>; 3] = std::array::from_fn(|_| vec![-half, half]);
-        if let Some(laminate) = &laminate {
-            lines[geometry.normal] = geometry.across_plate(&laminate.profile.heights);
-        }
+        let Self { geometry, layers, section, in_plane } = self;
+        let tensor = theory.tensor(&in_plane, layers.profile.functions());
+        let mut lines: [Vec<f64>; 3] = Default::default();
+        lines[geometry.normal] = geometry.across_plate(&layers.profile.heights);
         geometry.axes.into_iter().zip(in_plane).for_each(|(axis, of_axis)| lines[axis] = of_axis);
-        Points { geometry, section, lines, tensor, theory, local, laminate }
+        Points { geometry, section, lines, tensor, layers }
     }
 }
 
@@ -260,20 +206,10 @@ impl Plate {
         let PlateGeometry { normal, thickness, .. } = points.geometry;
         let compliance = 0.5 * scene.body.composition.compliance_across(normal, thickness);
         let description = description.on_plate(normal, compliance);
-        let (cells, local) = (points.lines_in_plane().map(count_cells), points.local);
+        let cells = points.lines_in_plane().map(count_cells);
         let mirrors = points.geometry.mirrors();
         let terms = SurfaceTerms::new(&GridSpace { field: &points, mirrors: &mirrors }, &description)?;
         let (multiplicity, classes) = (points.geometry.multiplicity(), points.geometry.classes.len());
-        let (mut elastic, mass) = match &points.laminate {
-            None => {
-                let shear_factor = local.map_or(0.0, |local| local.shear_factor);
-                (theory.elastic(&points.section, shear_factor), theory.mass(&points.section))
-            }
-            Some(laminate) => (laminate.elastic(), laminate.inertia()),
-        };
-        if let Some(local) = &local {
-            elastic.extend(edges::forms(&points, local.shear_factor, &description.clamps));
-        }
         // Loads and the translation along the impact direction are even.
         let even = |mut vector: Vec<f64>| {
             vector.resize(points.all_unknowns(), 0.0);
@@ -283,25 +219,25 @@ impl Plate {
         let exchange = square::exchange(&points);
         let mut integrals = Integrals::default();
         let mut of_forms = |forms: &[Square<2>]| of_classes(points.tensor.matrix_sharing(forms, &mut integrals));
-        let (mass, elastic) = (of_forms(&mass), of_forms(&elastic));
+        let layers = &points.layers;
+        let elastic = [layers.elastic(), edges::forms(&points, &description.clamps)].concat();
+        let (mass, elastic) = (of_forms(&layers.inertia()), of_forms(&elastic));
         let mut relaxations = Vec::new();
-        if let Some(laminate) = &points.laminate {
-            for (chain, relaxing) in description.relaxations() {
-                let forms = laminate.distortion(&points.geometry, &relaxing);
-                relaxations.push(Relaxation { distortion: of_forms(&forms), chain: chain.clone() });
-            }
+        for (chain, relaxing) in description.relaxations() {
+            let forms = layers.distortion(&points.geometry, &relaxing);
+            relaxations.push(Relaxation { distortion: of_forms(&forms), chain: chain.clone() });
         }
-        let compliance = points.laminate.as_ref().map(|laminate| laminate.compliance);
-        let compliance = compliance.or(local.map(|local| local.compliance)).unwrap_or_default();
-        let disc = points.laminate.as_ref().map(|laminate| laminate.radius).or(local.map(|local| local.radius));
+        let Layers { compliance, disc, .. } = *layers;
         let footprint = match disc {
-            Some(radius) if points.geometry.area.is_some() => Footprint::Area { radius },
-            Some(radius) if compliance != 0.0 => Footprint::Disc { radius },
+            Some(Disc { radius, .. }) if points.geometry.area.is_some() => Footprint::Area { radius },
+            Some(Disc { radius, .. }) if compliance != 0.0 => Footprint::Disc { radius },
             _ => Footprint::Point,
         };
         // The short waves of a thin plate are known for a force at a point only.
-        let is_known = points.laminate.is_none() && (theory.shears() || points.geometry.wide_area().is_none())
-            || settings.separates_short_waves;
+        let is_known = match layers.is_one() {
+            true => disc.is_some() || points.geometry.wide_area().is_none(),
+            false => settings.separates_short_waves,
+        };
         let rate = waves::rate(scene);
         let infinite_plate = is_known.then(|| waves::of_points(&points, &description.relaxations(), rate));
         let system = System {
@@ -330,15 +266,20 @@ impl Plate {
             is_nearly_incompressible: false,
             classes,
         };
-        Ok(Self { system, cells, local, laminate: points.laminate.clone(), points })
+        Ok(Self { system, cells, points })
     }
-}
 
-impl Plate {
-    /// Length of the longest cell at the impact point divided by the radius of Mindlin's disc. The length is doubled
-    /// where the splines are smooth across the impact point: they resolve it half as well as splines that end there.
+    /// Layers of the plate, and its local contact model.
+    pub fn layers(&self) -> &Layers {
+        &self.points.layers
+    }
+
+    /// Length of the longest cell at the impact point divided by the radius of the loaded disc, for one layer with
+    /// transverse shear. The length is doubled where the splines are smooth across the impact point: they resolve it half
+    /// as well as splines that end there.
     pub fn cell_over_disc(&self) -> Option<f64> {
-        let (radius, geometry) = (self.local?.radius, &self.points.geometry);
+        let Points { layers, geometry, .. } = &self.points;
+        let radius = layers.disc.filter(|_| layers.is_one())?.radius;
         let hit = geometry.hit_in_part();
         let longest = |i: usize| {
             let holds = |ends: &&[f64]| ends[0] <= hit[i] && hit[i] <= ends[1];
@@ -346,25 +287,6 @@ impl Plate {
             cells.fold(0.0, f64::max) * if hit[i] == geometry.ends(i)[0] { 1.0 } else { 2.0 }
         };
         Some(longest(0).max(longest(1)) / radius)
-    }
-}
-
-impl Local {
-    /// Under Hertz's law the dent of a half-space is part of the law; on a given area it is part of the surface's displacement.
-    fn new(section: &Section, settings: &Settings, distance_to_edge: f64, area: Option<&ContactArea>) -> Self {
-        let h = section.thickness;
-        let disc = settings.disc_over(h).min(distance_to_edge / h);
-        let (spread, disc, dent) = match area {
-            None => (Spread::new(0.0), disc, 0.0),
-            Some(area) => {
-                let (spread, radius) = Spread::of_area(area, disc * h);
-                (spread, radius / h, dent(area, &section.material(), 1.0))
-            }
-        };
-        let shear_factor = settings.shear_factor.unwrap_or(shear_factor(section.poisson));
-        let layer = Layer { poisson: section.poisson, shear_factor, spread, disc };
-        let compliance = layer.compliance() / (section.young * h) + dent;
-        Self { shear_factor, spread, radius: disc * h, reading: layer.reading(), compliance }
     }
 }
 

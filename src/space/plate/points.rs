@@ -1,15 +1,13 @@
 //! Displacement and stress at points of a plate.
 //!
-//! The in-plane displacement at the height ζ along w is ζ θ, with θ = −∇w in Kirchhoff's theory; for several layers see
-//! `space/plate/laminate/form.rs`. Stresses are the plane stresses of bending. The only stress across the plate is the
-//! transverse shear. For one layer it is parabolic, with zeros on both faces; for several layers see
-//! [`crate::stack::Transverse`].
+//! For the displacement see `space/plate/layers/profile.rs`. Stresses are the plane stresses of bending. The only stress
+//! across the plate is the transverse shear of [`crate::stack::Transverse`].
 
 use super::geometry::PlateGeometry;
-use super::laminate::form as layerwise;
-use super::{Laminate, Local, PlateTheory};
+use super::layers::profile::is_rotation;
+use super::{Disc, Layers};
 use crate::description::Part as BodyPart;
-use crate::form::plate::{AREA, Section, deflection, rotation};
+use crate::form::plate::{AREA, Section, deflection};
 use crate::form::stress::place;
 use crate::form::tensor::{Linear, Part, Tensor};
 use crate::form::{Material, Parity};
@@ -33,9 +31,7 @@ pub struct Points {
     /// of the layers.
     pub(super) lines: [Vec<f64>; 3],
     pub(super) tensor: Tensor<2>,
-    pub(super) theory: PlateTheory,
-    pub(super) local: Option<Local>,
-    pub(super) laminate: Option<Laminate>,
+    pub(super) layers: Layers,
 }
 
 /// Material law at a height.
@@ -56,44 +52,20 @@ impl Points {
     /// Derivative of the displacement along an axis of the plane, as terms with factors: ζ times the rotation, or a sum
     /// over several rotations.
     pub(super) fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> Vec<(f64, Part<2>)> {
-        match (self.theory, &self.laminate) {
-            (_, Some(Laminate { profile, .. })) => {
-                let of = |k: usize| (profile.at(k, height), layerwise::rotation(k, axis, derivatives));
-                (0..profile.functions()).map(of).filter(|(factor, _)| *factor != 0.0).collect()
-            }
-            (PlateTheory::Mindlin | PlateTheory::Layerwise, None) => vec![(height, rotation(axis, derivatives))],
-            (PlateTheory::Kirchhoff, None) => {
-                let mut all = derivatives;
-                all[axis] += 1;
-                vec![(-height, deflection(all))]
-            }
-        }
+        let profile = &self.layers.profile;
+        let of = |k: usize| {
+            let (sign, part) = profile.rotation(k, axis, derivatives);
+            (sign * profile.at(k, height), part)
+        };
+        (0..profile.functions()).map(of).filter(|(factor, _)| *factor != 0.0).collect()
     }
 
     /// Material law at a height. An interface belongs to the layer nearer to the impact point.
     pub(super) fn law(&self, height: f64) -> Law {
         let plane = |Material { young, poisson, .. }: Material| young / (1.0 - poisson * poisson);
         let shear = |Material { young, poisson, .. }: Material| 0.5 * young / (1.0 + poisson);
-        let material = match &self.laminate {
-            None => self.section.material(),
-            Some(laminate) => laminate.material(laminate.profile.layer_at(height)),
-        };
+        let material = self.layers.material(self.layers.profile.layer_at(height));
         Law { plane: plane(material), poisson: material.poisson, shear: shear(material) }
-    }
-
-    /// Transverse shear stress along an axis of the plane, as terms with factors. Kirchhoff's theory has none.
-    fn shear_stress(&self, axis: usize, height: f64) -> Vec<(f64, Part<2>)> {
-        if let Some(laminate) = &self.laminate {
-            return laminate.shear_stress(axis, height);
-        }
-        let Some(local) = &self.local else { return Vec::new() };
-        let over_mean = 1.5 * (1.0 - (2.0 * height / self.section.thickness).powi(2));
-        let factor = over_mean * local.shear_factor * self.law(height).shear;
-        let mut along = [0, 0];
-        along[axis] = 1;
-        // The faces have no shear stress, but for rounding.
-        let parts = [deflection(along), rotation(axis, [0, 0])];
-        parts.into_iter().filter(|_| over_mean > 1e-12).map(|part| (factor, part)).collect()
     }
 
     /// Number of unknowns of all symmetry classes; each class has all unknowns of the tensor-product space.
@@ -117,8 +89,7 @@ impl Points {
         let is_beyond = [0, 1].map(|i| self.geometry.halved[i] && point[i] < 0.0);
         let image = [0, 1].map(|i| if is_beyond[i] { -point[i] } else { point[i] });
         // A rotation is a slope: it is odd if the deflection is even.
-        let is_turned =
-            [0, 1].map(|i| (part.derivatives[i] + usize::from(layerwise::is_rotation(part.field, i))) % 2 == 1);
+        let is_turned = [0, 1].map(|i| (part.derivatives[i] + usize::from(is_rotation(part.field, i))) % 2 == 1);
         self.geometry.classes.iter().enumerate().map(move |(number, class)| {
             let flips = |i: &usize| is_beyond[*i] && (class[*i] == Parity::Odd) != is_turned[*i];
             let sign = if [0, 1].iter().filter(|i| flips(i)).count() == 1 { -1.0 } else { 1.0 };
@@ -229,12 +200,8 @@ impl GridField for Points {
         self.displacement_by(x, |part, point, factor| self.tensor.at_point(part, point, factor))
     }
 
-    fn body_force(&self, parts: &[BodyPart]) -> Vec<f64> {
-        let force = match &self.laminate {
-            // The body force of a single material is uniform.
-            None => parts.first().map_or([0.0; 3], |part| part.force).map(|force| force * self.section.thickness),
-            Some(laminate) => [0, 1, 2].map(|axis| laminate.force(axis)),
-        };
+    fn body_force(&self, _: &[BodyPart]) -> Vec<f64> {
+        let force = [0, 1, 2].map(|axis| self.layers.force(axis));
         let factor = self.geometry.across(force);
         self.tensor.vector(&[Linear { factor, part: deflection([0, 0]), place: AREA }])
     }
@@ -250,7 +217,7 @@ impl FaceLineEvaluator for Points {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (point, height) = self.seen(x);
         for (i, axis) in axes.into_iter().enumerate() {
-            for (factor, part) in self.shear_stress(i, height) {
+            for (factor, part) in self.layers.shear_stress(i, height) {
                 stress[place(axis, normal)].extend(self.form(part, point, sign * factor));
             }
         }
@@ -273,7 +240,7 @@ impl PointEvaluator for Points {
             add(&mut stress[axis], plane, &stretch);
             add(&mut stress[axes[1 - i]], plane * poisson, &stretch);
             add(&mut stress[place(axes[0], axes[1])], shear, &sum(self.turned(i, [along[1], along[0]], height)));
-            add(&mut stress[place(axis, normal)], sign, &sum(self.shear_stress(i, height)));
+            add(&mut stress[place(axis, normal)], sign, &sum(self.layers.shear_stress(i, height)));
         }
         let displacement = self.displacement_by(x, |part, point, factor| self.form(part, point, factor));
         Forms { displacement, stress: stress.map(summed), local: None }
@@ -283,18 +250,14 @@ impl PointEvaluator for Points {
         let PlateGeometry { axes, normal, hit, .. } = self.geometry;
         let mut point = [0.0; 3];
         (point[axes[0]], point[axes[1]]) = (hit[0], hit[1]);
-        let (pressure, reading) = match (&self.laminate, self.local) {
-            (Some(Laminate { spread, radius, .. }), _) => (Pressure::of(*spread, *radius), 0.0),
-            (None, None) => match self.geometry.wide_area() {
-                Some(area) => (Pressure::Hertz { radius: area.equivalent_radius() }, 0.0),
-                None => (Pressure::Point, 0.0),
-            },
-            (None, Some(Local { spread, radius, reading, .. })) => (Pressure::of(spread, radius), reading),
-        };
-        let reading = reading * self.section.thickness.powi(2);
-        let carrier = match &self.laminate {
-            Some(laminate) => HitBody::Layerwise(laminate.theory.clone()),
-            None => HitBody::OneLayer(Sections::Plate { reading }),
+        let (pressure, carrier) = match (self.layers.disc, self.geometry.wide_area()) {
+            (Some(Disc { spread, radius }), _) => {
+                (Pressure::of(spread, radius), HitBody::Layerwise(self.layers.theory().clone()))
+            }
+            (None, Some(area)) => {
+                (Pressure::Hertz { radius: area.equivalent_radius() }, HitBody::OneLayer(Sections::Plate))
+            }
+            (None, None) => (Pressure::Point, HitBody::OneLayer(Sections::Plate)),
         };
         Some(Hit { pressure, body: carrier, cell: Hit::cell(&self.lines_of_whole(), normal, point) })
     }
@@ -304,7 +267,7 @@ impl PointEvaluator for Points {
     }
 
     fn bends_alone(&self) -> bool {
-        self.laminate.as_ref().is_none_or(|laminate| laminate.profile.is_mirrored())
+        self.layers.profile.is_mirrored()
     }
 
     fn unknowns(&self) -> usize {
@@ -316,7 +279,7 @@ impl PointEvaluator for Points {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (_, height) = self.seen(x);
         for (i, axis) in axes.into_iter().enumerate() {
-            for part in self.shear_stress(i, height) {
+            for part in self.layers.shear_stress(i, height) {
                 self.put(x, &[(place(axis, normal), sign)], part, add);
             }
         }
@@ -372,11 +335,11 @@ impl PointEvaluator for Points {
     }
 
     fn field_lines(&self) -> [Vec<f64>; 3] {
-        let half = 0.5 * self.section.thickness;
         let mut lines = self.lines_of_whole().map(|lines| divided(&lines, PIECES));
-        lines[self.geometry.normal] = match &self.laminate {
-            None => vec![-half, 0.0, half],
-            Some(laminate) => self.geometry.across_plate(&laminate.profile.heights),
+        let heights = &self.layers.profile.heights;
+        lines[self.geometry.normal] = match heights[..] {
+            [lower, upper] => vec![lower, 0.0, upper],
+            _ => self.geometry.across_plate(heights),
         };
         lines
     }

@@ -1,7 +1,7 @@
 //! Plates whose two axes may be exchanged: squares impacted at the centre.
 
 use super::Points;
-use super::laminate::form::exchanged_field;
+use super::layers::profile::exchanged_field;
 
 /// Number of each unknown after an exchange of the axes, for a quarter of a plate with the same cells along both axes;
 /// else `None`. Does not check whether the supports and loads have this symmetry.

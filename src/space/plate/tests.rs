@@ -1,7 +1,7 @@
 //! Tests of a plate's matrices against exact energies.
 
+use super::layers::profile::rotation;
 use super::*;
-use crate::form::plate::rotation;
 
 /// Checks the stiffness of springs against a rotation of all layers, which is the sum over the layers; the mass;
 /// and the instantaneous stiffness of viscoelastic layers.
@@ -31,18 +31,18 @@ fn layers_have_the_sums_of_their_parts() {
         let [Relaxation { distortion, chain }] = &relaxing.system.terms.relaxations[..] else {
             panic!("one relaxation")
         };
-        let laminate = relaxing.laminate.as_ref().expect("layers");
+        let layers_of = relaxing.layers();
         // The shear strains must be those for the secant modulus at half the contact time.
         let [stiff, soft] = [chain.instantaneous(), chain.equilibrium].map(|shear| {
-            let elastic = plate(&scene(&format!("shear = {shear:e}"), layers)).laminate.expect("layers");
-            relaxing.points.tensor.matrix(&elastic.with_theory_of(laminate).elastic())
+            let elastic = plate(&scene(&format!("shear = {shear:e}"), layers)).points.layers;
+            relaxing.points.tensor.matrix(&elastic.with_theory_of(layers_of).elastic())
         });
-        let profile = &laminate.profile;
+        let profile = &layers_of.profile;
         let tensor = &relaxing.points.tensor;
         for axis in 0..2 {
             let mut turned = vec![0.0; tensor.unknowns()];
             for layer in 0..3 {
-                let field = super::laminate::form::rotation(profile.group_of(layer), axis, [0, 0]).field;
+                let field = rotation(profile.group_of(layer), axis, [0, 0]).field;
                 turned.iter_mut().zip(tensor.one(field)).for_each(|(u, one)| *u = f64::max(*u, one));
             }
             let k = [2e9, 3e9][axis];
@@ -64,7 +64,7 @@ fn layers_have_the_sums_of_their_parts() {
     }
 }
 
-/// Stiffness of springs along the sides against a rotation of Mindlin's whole plate along one axis: k h³/12 per
+/// Stiffness of springs along the sides against a rotation of a whole plate of one layer along one axis: k h³/12 per
 /// unit of length.
 #[test]
 fn springs_resist_rotations() {
@@ -73,10 +73,10 @@ fn springs_resist_rotations() {
                 [[support]]\nsurface = \"x-min\"\nkind = \"elastic\"\nstiffness = [2e9, 3e9, 0]\n\
                 [[support]]\nsurface = \"y-max\"\nkind = \"elastic\"\nstiffness = [2e9, 3e9, 0]\n";
     let scene = Scene::parse("test", text, &[]).expect("a scene").0;
-    let plate = Plate::new(&scene, PlateTheory::Mindlin, &Settings::default()).expect("a plate");
+    let plate = Plate::new(&scene, PlateTheory::Layerwise, &Settings::default()).expect("a plate");
     let support = plate.system.terms.support.expect("springs");
     for (axis, k) in [2e9, 3e9].into_iter().enumerate() {
-        let one = plate.points.tensor.one(rotation(axis, [0, 0]).field);
+        let one = plate.points.tensor.one(rotation(0, axis, [0, 0]).field);
         let sum: f64 = support.triplet_iter().map(|(i, j, value)| one[i] * value * one[j]).sum();
         let exact = k * 0.03_f64.powi(3) / 12.0 * (0.4 + 0.6);
         // Rounding error of some hundred points.

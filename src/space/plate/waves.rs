@@ -12,8 +12,8 @@ use crate::material::Maxwell;
 use crate::scene::Scene;
 
 use super::geometry::PlateGeometry;
-use super::laminate::LayerwiseWaves;
-use super::{Laminate, Local, PlateTheory, Points, Settings};
+use super::layers::LayerwiseWaves;
+use super::{Layers, PlateTheory, Points, Settings};
 
 /// Ratio of successive wavenumbers at which waves are evaluated.
 const STEP: f64 = 1.05;
@@ -34,16 +34,10 @@ const RATE_TIMES_CONTACT: f64 = 15.0;
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
 pub fn infinite_plate(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<InfinitePlate> {
-    let fault = |reason: String| super::fault(theory, &reason);
-    let geometry = super::geometry(scene, theory).map_err(fault)?;
-    let section = match theory {
-        PlateTheory::Layerwise => {
-            let parts = Description::new(scene).parts;
-            Laminate::without_local(scene, &geometry, &parts, settings).map_err(fault)?.section(scene)
-        }
-        _ => Section::new(geometry.thickness, &scene.body.struck()),
-    };
-    Ok(of_section(&geometry, &section, &WavesOfTheory::Thin))
+    let geometry = super::geometry(scene, theory).map_err(super::fault)?;
+    let parts = Description::new(scene).parts;
+    let layers = Layers::without_local(scene, &geometry, &parts, (theory, settings)).map_err(super::fault)?;
+    Ok(of_section(&geometry, &layers.section(scene), None))
 }
 
 /// Number of uncoupled symmetry classes of a scene's plate.
@@ -51,18 +45,13 @@ pub fn infinite_plate(scene: &Scene, theory: PlateTheory, settings: &Settings) -
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
 pub fn classes_of_motions(scene: &Scene, theory: PlateTheory) -> Result<usize> {
-    Ok(super::geometry(scene, theory).map_err(|reason| super::fault(theory, &reason))?.classes.len())
+    Ok(super::geometry(scene, theory).map_err(super::fault)?.classes.len())
 }
 
 /// Response of the infinite plate for a discretised plate. The moduli of viscoelastic layers are those at `rate` (1/s).
 pub(super) fn of_points(points: &Points, relaxations: &[(&Maxwell, Vec<usize>)], rate: f64) -> InfinitePlate {
-    let Points { geometry, section, local, laminate, .. } = points;
-    let waves = match (laminate, local) {
-        (Some(laminate), _) => WavesOfTheory::Layerwise(LayerwiseWaves::new(laminate, geometry, relaxations, rate)),
-        (None, Some(local)) => WavesOfTheory::Mindlin(section, local),
-        (None, None) => WavesOfTheory::Thin,
-    };
-    of_section(geometry, section, &waves)
+    let Points { geometry, section, layers, .. } = points;
+    of_section(geometry, section, LayerwiseWaves::new(layers, geometry, relaxations, rate).as_ref())
 }
 
 /// The rate at which viscoelastic layers have their moduli in a scene's waves, 1/s.
@@ -70,8 +59,9 @@ pub(super) fn rate(scene: &Scene) -> f64 {
     RATE_TIMES_CONTACT / scene.impactor.contact_time()
 }
 
-/// Response of the infinite plate for the modelled part of a plate, with all its symmetry classes.
-fn of_section(geometry: &PlateGeometry, section: &Section, waves: &WavesOfTheory) -> InfinitePlate {
+/// Response of the infinite plate for the modelled part of a plate, with all its symmetry classes. Without `waves` it is a
+/// thin plate loaded at a point.
+fn of_section(geometry: &PlateGeometry, section: &Section, waves: Option<&LayerwiseWaves>) -> InfinitePlate {
     let (edges, multiplicity) = (geometry.edges, geometry.multiplicity());
     let classes = geometry.classes.len() as f64;
     let material = Material { young: section.young, poisson: section.poisson, density: section.density };
@@ -81,11 +71,10 @@ fn of_section(geometry: &PlateGeometry, section: &Section, waves: &WavesOfTheory
     let over_square = classes * edges[0] * edges[1] / (4.0 * PI * multiplicity);
     let mut modes = ModeCount::of_thin_plate(over_square, slowness);
     let Spectrum { density, fast_wave_compliances } = match waves {
-        WavesOfTheory::Thin => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
-        WavesOfTheory::Mindlin(..) => spectrum(section, waves, multiplicity, Some(thin)),
-        WavesOfTheory::Layerwise(_) => {
+        None => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
+        Some(waves) => {
             modes.dispersion = dispersion(section, waves);
-            spectrum(section, waves, multiplicity, None)
+            spectrum(section, waves, multiplicity)
         }
     };
     InfinitePlate {
@@ -107,59 +96,6 @@ pub(super) struct Wave {
     pub of_force: f64,
 }
 
-/// Waves of a plate in each theory.
-enum WavesOfTheory<'a> {
-    /// Bending waves of a thin plate, loaded at a point.
-    Thin,
-    /// Waves of Mindlin's plate.
-    Mindlin(&'a Section, &'a Local),
-    /// Waves of a plate of several layers.
-    Layerwise(LayerwiseWaves<'a>),
-}
-
-impl WavesOfTheory<'_> {
-    /// The waves of a wavenumber (1/m): the bending wave, and those of higher frequencies. None for a thin plate, whose
-    /// density of modes is known in closed form.
-    fn at(&self, wavenumber: f64) -> Vec<Wave> {
-        match self {
-            Self::Thin => Vec::new(),
-            Self::Mindlin(section, local) => mindlin_waves(section, local, wavenumber).into(),
-            Self::Layerwise(waves) => waves.at(wavenumber),
-        }
-    }
-
-    /// Radius of the loaded disc, m.
-    fn radius(&self) -> f64 {
-        match self {
-            Self::Thin => 0.0,
-            Self::Mindlin(_, local) => local.radius,
-            Self::Layerwise(waves) => waves.radius(),
-        }
-    }
-}
-
-/// Bending wave and thickness-shear wave of a wavenumber ξ (1/m).
-///
-/// For w and θ = ∇ψ of a wave: M = diag(ρh, ρh³ξ²/12) and K = [[S, S], [S, Dξ⁴ + S]], S = κμhξ². The displacement read
-/// is w − s h² ξ² ψ.
-fn mindlin_waves(section: &Section, local: &Local, wavenumber: f64) -> [Wave; 2] {
-    let [mass, rotary] = [section.density * section.thickness, section.density * section.inertia()];
-    let shear = local.shear_factor * section.shear();
-    let square = wavenumber * wavenumber;
-    let spread = local.spread.transform(wavenumber * local.radius);
-    // Roots of the characteristic equation; the smaller one from the product of both.
-    let half = 0.5 * (shear * square / mass + (section.rigidity() * square + shear) / rotary);
-    let product = shear * section.rigidity() * square * square / (mass * rotary);
-    let upper = half + (half * half - product).sqrt();
-    [product / upper, upper].map(|of_time| {
-        // (S − ω² ρh) w + S ψ = 0.
-        let turned = of_time * mass / (shear * square) - 1.0;
-        let read = 1.0 - local.reading * section.thickness.powi(2) * square * turned;
-        let of_force = (read * spread).powi(2) / (mass + rotary * square * turned * turned);
-        Wave { frequency: of_time.sqrt(), of_force }
-    })
-}
-
 /// Response of the waves of all wavenumbers, by frequency.
 struct Spectrum {
     /// Pairs of ω (rad/s), ascending, and the modal density ν (s/kg).
@@ -169,9 +105,9 @@ struct Spectrum {
 }
 
 /// Spectrum of a plate. The bending waves have the density ν = (1/2π) ξ dξ/dω r² P². The other waves, and the bending
-/// waves beyond the last ω, are springs with the compliance (1/2π) r² P²/ω² ξ dξ. `longest` is ν of the longest waves,
-/// s/kg, if it is known; `multiplicity` is the number of modelled parts in the whole plate.
-fn spectrum(section: &Section, waves: &WavesOfTheory, multiplicity: f64, longest: Option<f64>) -> Spectrum {
+/// waves beyond the last ω, are springs with the compliance (1/2π) r² P²/ω² ξ dξ. `multiplicity` is the number of modelled
+/// parts in the whole plate.
+fn spectrum(section: &Section, waves: &LayerwiseWaves, multiplicity: f64) -> Spectrum {
     let first = first_wavenumber(section);
     // ν of a bending wave.
     let density_of = |wavenumber: f64, wave: &Wave| {
@@ -181,7 +117,7 @@ fn spectrum(section: &Section, waves: &WavesOfTheory, multiplicity: f64, longest
         multiplicity * wavenumber * slope * wave.of_force / (2.0 * PI)
     };
     let bending = &waves.at(first)[0];
-    let longest = longest.unwrap_or_else(|| density_of(first, bending));
+    let longest = density_of(first, bending);
     let mut density = vec![(bending.frequency, longest)];
     let (mut largest, mut is_complete, mut fast_wave_compliances) = (longest, false, Vec::new());
     for wavenumber in (1..).map(|i| first * STEP.powi(i)) {
@@ -207,7 +143,7 @@ fn spectrum(section: &Section, waves: &WavesOfTheory, multiplicity: f64, longest
 }
 
 /// Pairs of ω (rad/s) and ξ² (1/m²) of bending waves, from the longest to the shortest that the disc excites.
-fn dispersion(section: &Section, waves: &WavesOfTheory) -> Vec<(f64, f64)> {
+fn dispersion(section: &Section, waves: &LayerwiseWaves) -> Vec<(f64, f64)> {
     let wavenumbers = (0..).map(|i| first_wavenumber(section) * STEP.powi(i));
     let excited = wavenumbers.take_while(|wavenumber| wavenumber * waves.radius() <= SHORTEST);
     let of_waves = excited.map(|wavenumber| (waves.at(wavenumber)[0].frequency, wavenumber * wavenumber));

@@ -1,16 +1,19 @@
 //! Differences between an infinite layer, or a stack of layers, and a half-space under a spread pressure.
 //!
-//! At the wavenumber ξ, a layer has the response Γ to a pressure on its top, and a half-space has the response H (see
-//! [`crate::space::plate::layer`]). Let Hertz's pressure have the transform P_h, and the pressure that replaces it the
+//! At the wavenumber ξ, a layer of thickness h has the response Γ = (1 − ν²)/(E ξ) f(ξh) to a pressure on its top, with
+//! f(t) = (cosh t + 1)/(sinh t − t) + (cosh t − 1)/(sinh t + t) for bending and squeezing. A half-space has the response
+//! H = 2 (1 − ν²)/(E ξ). Let Hertz's pressure have the transform P_h, and the pressure that replaces it the
 //! transform P. The difference of the two displacements is (1/2π) ∫ Γ (P² − P_h²) ξ dξ. The part of a half-space, with
 //! H, is known in closed form. The remaining integral converges, since P² − P_h² = O(ξ⁶).
 
 use std::f64::consts::PI;
 
 use crate::form::Spread;
-use crate::space::loaded_face::LoadedFace;
-use crate::space::plate::layer::{END, HALF_SPACE, flexibility, integrate, squeezed};
+use crate::space::loaded_face::{END, LoadedFace, integrate};
 use crate::stack::Stack;
+
+/// Value of ξh above which a layer responds like the half-space to rounding.
+const HALF_SPACE: f64 = 44.0;
 
 /// E h/(2π) ∫ (Γ − H) (P² − P_h²) ξ dξ; `disc` is the radius of the disc divided by the thickness.
 pub(super) fn beyond_half_space(spread: &Spread, poisson: f64, disc: f64) -> f64 {
@@ -38,6 +41,16 @@ pub(super) fn squeezing(spread: &Spread, poisson: f64, disc: f64) -> f64 {
     let panel = (0.5 * PI / disc).min(1.0);
     let value = |t: f64| squeezed(t) * spread.square(t * disc);
     (1.0 - poisson * poisson) / (2.0 * PI) * integrate(0.0, END / disc, panel, value)
+}
+
+/// Function f(t), which tends to 2 for large t.
+fn flexibility(t: f64) -> f64 {
+    (t.cosh() + 1.0) / (t.sinh() - t) + squeezed(t)
+}
+
+/// Second part of f(t), (cosh t − 1)/(sinh t + t), without overflow.
+fn squeezed(t: f64) -> f64 {
+    (0.5 * t).tanh() / (1.0 + t / t.sinh())
 }
 
 #[cfg(test)]

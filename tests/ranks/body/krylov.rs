@@ -32,15 +32,15 @@ fn parse(pane: &str, supports: &str) -> Scene {
 /// A thin pane by Mindlin's theory on springs, with some two thousand unknowns and dampers of c, N s/m³.
 fn body(damping: f64) -> LocalBody {
     let scene = parse("size = [0.5, 0.5, 0.004]\nmodel = \"mindlin\"", &glass::sides(1e9, damping));
-    let settings = Settings::new(1e-1, PlateTheory::Mindlin);
-    let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).unwrap_or_else(|error| panic!("{error}"));
+    let settings = Settings::new(1e-1, PlateTheory::Layerwise);
+    let plate = Plate::new(&scene, PlateTheory::Layerwise, &settings).unwrap_or_else(|error| panic!("{error}"));
     LocalBody::new(plate.system)
 }
 
 /// A larger, unsupported pane with coarse cells.
 fn free() -> LocalBody {
     let pane = "size = [1.0, 1.5, 0.01]\nmodel = \"mindlin\"";
-    coarse(&parse(pane, ""), PlateTheory::Mindlin)
+    coarse(&parse(pane, ""), PlateTheory::Layerwise)
 }
 
 /// Two plies of glass with a soft elastic interlayer, on a smaller pane.
@@ -77,7 +77,7 @@ fn nearly_full_matrices_are_solved_with_and_projected(_: &Session) {
     let rate = 1e4;
     for support in [1e9, 1e6] {
         let scene = parse("size = [1.5, 1.5, 0.1]\nmodel = \"mindlin\"", &glass::sides(support, 0.0));
-        let theory = PlateTheory::Mindlin;
+        let theory = PlateTheory::Layerwise;
         let plate = Plate::new(&scene, theory, &Settings::default()).unwrap_or_else(|error| panic!("{error}"));
         let body = LocalBody::new(plate.system);
         let full = (body.unknowns() * body.unknowns()) as f64;
@@ -242,7 +242,7 @@ fn short_waves_have_the_density_of_modes(_: &Session) {
 /// had 41 vectors, whatever number was asked for.)
 fn weak_dampers_do_not_end_a_basis(_: &Session) {
     let scene = parse("size = [0.5, 0.4, 0.01]\nmodel = \"mindlin\"", &glass::sides(1e8, 1e3));
-    let body = coarse(&scene, PlateTheory::Mindlin);
+    let body = coarse(&scene, PlateTheory::Layerwise);
     let properties = body.properties().unwrap();
     let moving: Vec<usize> = (0..body.unknowns()).filter(|unknown| !properties.held.contains(unknown)).collect();
     let mut unit = properties.layout.zeros(moving.len());
@@ -283,7 +283,7 @@ fn classes_that_end_leave_the_rest_to_others(_: &Session) {
     let hit = "mass = 0.5\nspeed = 3\npoint = [0.1, 0.07, 0.01]";
     let text = glass::scene("size = [0.5, 0.4, 0.02]\nmodel = \"mindlin\"", hit, "end = 0.01", &glass::sides(1e9, 1e4));
     let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
-    let body = coarse(&scene, PlateTheory::Mindlin);
+    let body = coarse(&scene, PlateTheory::Layerwise);
     assert_eq!(body.classes().len(), 4);
     let mut sum = DirectSum::new(&body, 1e4).unwrap();
     for vectors in (50..).step_by(50).take_while(|vectors| *vectors < 2 * body.unknowns()) {
@@ -305,8 +305,8 @@ fn classes_have_bases_of_their_own(_: &Session) {
     let hit = "mass = 0.5\nspeed = 3\npoint = [0.1, 0.07, 0.005]";
     let text = glass::scene(pane, hit, "end = 0.01", &glass::sides(1e9, 0.0));
     let scene = Scene::parse("test", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).0;
-    let settings = Settings::new(1e-1, PlateTheory::Mindlin);
-    let plate = Plate::new(&scene, PlateTheory::Mindlin, &settings).unwrap_or_else(|error| panic!("{error}"));
+    let settings = Settings::new(1e-1, PlateTheory::Layerwise);
+    let plate = Plate::new(&scene, PlateTheory::Layerwise, &settings).unwrap_or_else(|error| panic!("{error}"));
     let body = LocalBody::new(plate.system);
     assert_eq!((body.classes().len(), body.unknowns()), (4, 4 * body.classes()[0].unknowns()));
     let mut sum = DirectSum::new(&body, 1e5).unwrap();

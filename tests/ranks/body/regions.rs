@@ -48,9 +48,9 @@ fn bodies(session: &Session, surface: &str, within: &str) -> Vec<(String, Body)>
             let splines =
                 SplineSolid::new(&scene, &Settings { cell_size_factor: 3.0, part_cell_factor: 1.0 }).unwrap().system;
             bodies.push((format!("splines, {symmetry}"), Body::of(&session.alone(), &splines).unwrap()));
-            for theory in [PlateTheory::Kirchhoff, PlateTheory::Mindlin] {
+            for theory in [PlateTheory::Kirchhoff, PlateTheory::Layerwise] {
                 let plate = Plate::new(&scene, theory, &plate::Settings::default()).unwrap().system;
-                bodies.push((format!("{}, {symmetry}", theory.plate()), Body::of(&session.alone(), &plate).unwrap()));
+                bodies.push((format!("plate of {theory:?}, {symmetry}"), Body::of(&session.alone(), &plate).unwrap()));
             }
         }
         let meshed = format!("symmetry = \"{symmetry}\"\ncells = [8, 6, 2]\norder = 2");

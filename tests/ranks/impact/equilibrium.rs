@@ -108,8 +108,9 @@ fn a_reduced_body_sinks_as_far(session: &Session) {
             ("\"auto\"", ""),
         ] {
             let found = at(reduction, time);
-            // \"auto\" chooses other cells, for this plate, which bends with a wavelength of its size.
-            let tolerance = if reduction == "\"auto\"" { 1e-3 } else { 1e-9 };
+            // \"auto\" chooses other cells, for this plate, which bends with a wavelength of its size. Rounding errors of the
+            // modes are 1e-16 times the ratio of the squares of their frequencies, some 1e7.
+            let tolerance = if reduction == "\"auto\"" { 1e-3 } else { 5e-9 };
             for (found, whole) in found.into_iter().zip(whole) {
                 println!("  {reduction}, {time:?}: {found:e}, {:.1e}", found / whole - 1.0);
                 assert!((found / whole - 1.0).abs() < tolerance, "{reduction}, {time}: {found:e} and not {whole:e}");

@@ -175,7 +175,7 @@ fn cells_follow_their_factor(session: &Session) {
 /// Lines are at the edges of a strip, twice, and at the sides of a disc. Cells at a bedding are at most a third of the
 /// bedding length (4D/k)^¼, of the disc's radius, and of the shear length of a laminate.
 fn grids_have_lines_at_the_edges_of_parts(_: &Session) {
-    let settings = Settings::new(1e-2, PlateTheory::Mindlin);
+    let settings = Settings::new(1e-2, PlateTheory::Layerwise);
     let lines = |text: &str, theory: PlateTheory| {
         use ricochet::space::evaluate::PointEvaluator as _;
         Plate::points(&parse(text), theory, &settings).unwrap().cell_lines()
@@ -185,12 +185,12 @@ fn grids_have_lines_at_the_edges_of_parts(_: &Session) {
         let cells = lines.windows(2).filter(|cell| cell[0] < to - 1e-9 && cell[1] > from + 1e-9);
         cells.map(|cell| cell[1] - cell[0]).fold(0.0, f64::max)
     };
-    let [_, y, _] = lines(&on_foot(), PlateTheory::Mindlin);
+    let [_, y, _] = lines(&on_foot(), PlateTheory::Layerwise);
     // D = E h³/12(1 − ν²) = 6159 N m.
     let length = (4.0 * 6159.0 / 1e9_f64).powf(0.25);
     assert!(times(&y, -0.39) == 2 && times(&y, 0.25) == 2, "{y:?}");
     assert!(widest(&y, [-0.45, -0.39]) <= length / 3.0 * (1.0 + 1e-3), "{y:?}");
-    let [x, y, _] = lines(&on_discs(), PlateTheory::Mindlin);
+    let [x, y, _] = lines(&on_discs(), PlateTheory::Layerwise);
     for lines in [&x, &y] {
         assert!(times(lines, 0.26) == 1 && times(lines, 0.3) == 1, "{lines:?}");
         assert!(widest(lines, [0.26, 0.3]) <= 0.02 / 3.0 * (1.0 + 1e-3), "{lines:?}");
@@ -207,7 +207,7 @@ fn grids_have_lines_at_the_edges_of_parts(_: &Session) {
         "[body]\nmodel = \"mindlin\"\nsize = [1.2, 0.9, 0.01]\n{GLASS}\
          [[support]]\nsurface = \"bottom\"\nwithin = {{ rim = 0.03 }}\nkind = \"elastic\"\nstiffness = [0, 0, 1e10]\n{TOUCH}"
     );
-    let [x, y, _] = lines(&rim, PlateTheory::Mindlin);
+    let [x, y, _] = lines(&rim, PlateTheory::Layerwise);
     assert!([x, y].iter().all(|lines| times(lines, lines[lines.len() - 1] - 0.03) == 2 && lines.len() < 40));
 }
 

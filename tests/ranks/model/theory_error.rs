@@ -8,7 +8,7 @@ use crate::modelled::{Ran, parse, run};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::contact::hertz;
-use ricochet::model::{Model, mindlin_error_over_difference};
+use ricochet::model::{Model, plate_error_over_difference};
 use ricochet::space::plate::crossing;
 
 pub const RANKS: &[usize] = &[1];
@@ -149,7 +149,7 @@ impl Errors {
     fn new(comm: &Comm, text: impl Fn(&str) -> String) -> Self {
         let [thin, thick, solid] = ["kirchhoff", "mindlin", "solid"].map(|model| -> Ran { run(comm, &text(model)) });
         let difference = thick.difference(&thin).0;
-        let estimate = mindlin_error_over_difference(&parse(&text("mindlin"))) * difference;
+        let estimate = plate_error_over_difference(&parse(&text("mindlin"))) * difference;
         Self { difference, estimate, found: solid.difference(&thick).0, unresolved: solid.error + thick.error }
     }
 }

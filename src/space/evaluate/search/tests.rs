@@ -37,7 +37,7 @@ fn plate() -> (FaceStresses, Vec<f64>) {
     let points: Vec<[f64; 3]> = lines.iter().flat_map(|a| lines.iter().map(move |b| [*a, *b, 0.05])).collect();
     let layer = Layer { thickness: 0.1, young: 70e9, poisson: 0.23 };
     let pressure = Pressure::Spread { spread: Spread::new(0.0), radius: 0.1 };
-    let carrier = Carrier::Plate { pressure, reading: 0.0 };
+    let carrier = Carrier::Plate { pressure };
     let field = LocalField::new(Stack::new(&[layer]).expect("an elastic layer"), carrier, 0.04);
     let near = |point: &[f64; 3], depth: f64| {
         let radius = point[0].hypot(point[1]);

@@ -1,6 +1,6 @@
 //! Errors of the layerwise theory in the frequencies of flexural waves.
 
-use super::{Laminate, LayerwiseWaves};
+use super::{Layers, LayerwiseWaves};
 use crate::space::plate::geometry::PlateGeometry;
 use crate::stack::flexural_frequency;
 
@@ -23,18 +23,18 @@ struct FrequencyRatio {
 }
 
 impl FrequencyRatios {
-    /// Compares the waves of an elastic laminate with exact ones.
-    pub(super) fn new(laminate: &Laminate, geometry: &PlateGeometry) -> Self {
-        let stack = laminate.theory.stack();
-        let densities = laminate.parts.iter().map(|part| part.material.instantaneous.density);
-        let layers: Vec<_> = stack.layers().iter().copied().zip(densities).collect();
-        let waves = LayerwiseWaves::new(laminate, geometry, &[], 0.0);
+    /// Compares the waves of elastic layers with exact ones.
+    pub(super) fn new(layers: &Layers, geometry: &PlateGeometry) -> Self {
+        let stack = layers.theory.stack();
+        let densities = layers.parts.iter().map(|part| part.material.instantaneous.density);
+        let all: Vec<_> = stack.layers().iter().copied().zip(densities).collect();
+        let Some(waves) = LayerwiseWaves::new(layers, geometry, &[], 0.0) else { return Self(Vec::new()) };
         let at = |x: f64| {
             let wavenumber = x / stack.thickness();
             // The wave that the force excites most bends the stack. In a soft coat others may be slower.
             let frequency =
                 waves.at(wavenumber).into_iter().max_by(|a, b| a.of_force.total_cmp(&b.of_force))?.frequency;
-            let ratio = flexural_frequency(&layers, wavenumber, frequency) / frequency;
+            let ratio = flexural_frequency(&all, wavenumber, frequency) / frequency;
             (ratio.is_finite() && frequency > 0.0).then_some(FrequencyRatio { frequency, ratio })
         };
         let all = std::iter::successors(Some(FIRST), |x| Some(x * RATIO)).take_while(|x| *x < LAST);

@@ -1,13 +1,14 @@
-//! Estimates the error of Mindlin's theory relative to three-dimensional elasticity.
+//! Estimates the error of a plate with shear relative to three-dimensional elasticity.
 //!
 //! Kirchhoff's theory neglects shear, rotary inertia, the twist of free edges and the local field under the impactor.
 //! Mindlin's theory has all of them to a better order. Its error is therefore a small part of the difference between
-//! both theories. That part has three terms:
+//! both theories. (With several layers, the plate is compared with one whose stiff layers do not shear.) That part has
+//! three terms:
 //!
 //! - **A constant.** Waves in the interior are exact to (kh)⁴, and free edges have the twisting stiffness of
-//!   three-dimensional elasticity ([`crate::form::plate::mindlin_edge`]). The rest is other effects of the boundary
-//!   layers at edges. It is larger for supports that prevent the sections of an edge from warping, because Mindlin's
-//!   theory lets them warp. At clamps it grows with Poisson's ratio.
+//!   three-dimensional elasticity. The rest is other effects of the boundary layers at edges. It is larger for supports
+//!   that prevent the sections of an edge from warping, because the theory lets them warp. At clamps it grows with
+//!   Poisson's ratio.
 //! - **Poisson's ratio.** Bending strains the thickness by −ν/(1 − ν) times the sum of the in-plane strains. Mindlin's
 //!   theory has that strain statically only, and without the boundary layer in which a free edge releases it. The
 //!   energy is proportional to the square.
@@ -70,7 +71,7 @@ const STIFF_FOR_LAYERS: f64 = 0.02;
 const RIGID: f64 = 1.0;
 
 /// Estimated error of the acceleration by Mindlin's theory, over its difference from Kirchhoff's.
-pub fn mindlin_error_over_difference(scene: &Scene) -> f64 {
+pub fn plate_error_over_difference(scene: &Scene) -> f64 {
     let poisson = scene.body.struck().poisson;
     let across = poisson / (1.0 - poisson);
     let sections = sections(scene, across);

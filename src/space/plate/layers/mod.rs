@@ -1,8 +1,8 @@
-//! Layers of a plate with different materials: their model in the layerwise theory, and their local contact model.
+//! Layers of a plate, one or several: their model in the layerwise theory, and their local contact model.
 
-pub mod form;
 mod frequency_ratios;
 mod local;
+pub mod profile;
 mod waves;
 
 pub use frequency_ratios::FrequencyRatios;
@@ -10,10 +10,10 @@ pub use waves::LayerwiseWaves;
 
 use std::f64::consts::TAU;
 
-use form::{LayerModuli, Profile};
+use profile::{LayerModuli, Profile};
 
 use super::geometry::{NAMES, PlateGeometry};
-use super::{Settings, cells};
+use super::{PlateTheory, Settings, cells};
 use crate::contact::dent;
 use crate::description::{Description, Part, Portion};
 use crate::form::plate::Section;
@@ -34,17 +34,15 @@ const ROUNDS: usize = 30;
 
 /// Layers of a plate, from the impacted face on.
 #[derive(Debug, Clone)]
-pub struct Laminate {
+pub struct Layers {
     /// Variation of the displacements through the layers.
     pub(super) profile: Profile,
     parts: Vec<Part>,
     /// Layerwise theory of the infinite stack. Viscoelastic layers have their secant moduli at
     /// [`Impactor::moduli_time`](crate::scene::Impactor::moduli_time).
     pub(super) theory: Layerwise,
-    /// Pressure on the disc.
-    pub(super) spread: Spread,
-    /// Radius of the disc, m.
-    pub radius: f64,
+    /// Disc on which the plate is loaded and its displacement averaged; `None` for Kirchhoff's theory.
+    pub disc: Option<Disc>,
     /// Local compliance c of the whole plate, m/N: α = δ − c F.
     pub compliance: f64,
     /// Mass per unit of area, kg/m².
@@ -53,7 +51,16 @@ pub struct Laminate {
     section: stack::Section,
 }
 
-impl Laminate {
+/// Disc under the impactor on a plate with transverse shear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disc {
+    /// Pressure on the disc.
+    pub spread: Spread,
+    /// Radius of the disc, m.
+    pub radius: f64,
+}
+
+impl Layers {
     /// Layers of a plate-like scene with these parts, and their local contact model.
     ///
     /// # Errors
@@ -62,18 +69,18 @@ impl Laminate {
         scene: &Scene,
         geometry: &PlateGeometry,
         parts: &[Part],
-        settings: &Settings,
+        (theory, settings): (PlateTheory, &Settings),
     ) -> Result<Self, String> {
-        let laminate = Self::without_local(scene, geometry, parts, settings)?;
-        if settings.is_thin {
-            return Ok(laminate);
-        }
+        let layers = Self::without_local(scene, geometry, parts, (theory, settings))?;
+        let Some(disc) = layers.disc.filter(|_| !settings.is_thin) else { return Ok(layers) };
         let edge = geometry.edges[0].max(geometry.edges[1]);
-        let compliance = local::compliance(&laminate.theory, (&laminate.spread, laminate.radius), edge);
-        let stack::Layer { young, poisson, .. } = laminate.theory.stack().layers()[0];
+        let compliance = local::compliance(&layers.theory, &disc, edge);
+        let stack::Layer { young, poisson, .. } = layers.theory.stack().layers()[0];
         let struck = Material { young, poisson, density: 0.0 };
+        // Under Hertz's law the dent of a half-space is part of the law; on a given area it is part of the surface's
+        // displacement.
         let dent = geometry.area.as_ref().map_or(0.0, |area| dent(area, &struck, 1.0));
-        Ok(Self { compliance: compliance + dent, ..laminate })
+        Ok(Self { compliance: compliance + dent, ..layers })
     }
 
     /// Same as [`Self::new`] without the local contact model, whose integrals take most of the time.
@@ -81,22 +88,21 @@ impl Laminate {
         scene: &Scene,
         geometry: &PlateGeometry,
         parts: &[Part],
-        settings: &Settings,
+        (theory, settings): (PlateTheory, &Settings),
     ) -> Result<Self, String> {
         let mut parts = parts.to_vec();
-        let ends = |part: &Part| match part.portion {
-            Portion::Layer(ends) => Ok(ends),
-            Portion::All | Portion::Volume(_) => Err("it has one material".to_owned()),
-        };
-        if geometry.normal != 2 {
-            return Err(format!("its layers are across z, and it is hit along {}", NAMES[geometry.normal]));
-        }
         // Order the parts from the impacted face.
         if geometry.sign < 0.0 {
             parts.reverse();
         }
-        let thicknesses: Vec<f64> =
-            parts.iter().map(|part| ends(part).map(|[low, high]| high - low)).collect::<Result<_, _>>()?;
+        let thickness = |part: &Part| match part.portion {
+            Portion::All | Portion::Volume(_) => Ok(geometry.thickness),
+            Portion::Layer([low, high]) if geometry.normal == 2 => Ok(high - low),
+            Portion::Layer(_) => {
+                Err(format!("its layers are across z, and it is hit along {}", NAMES[geometry.normal]))
+            }
+        };
+        let thicknesses: Vec<f64> = parts.iter().map(thickness).collect::<Result<_, _>>()?;
         let count = parts.len();
         let is_mirrored = (0..count).all(|i| {
             let image = count - 1 - i;
@@ -108,24 +114,36 @@ impl Laminate {
         let layers: Vec<stack::Layer> = parts.iter().zip(&thicknesses).map(layer).collect();
         let stack = Stack::new(&layers).ok_or("a layer is no stable elastic solid")?;
         let section = stack::Section::new(&stack);
-        let theory = if settings.is_thin {
+        let is_kirchhoffs = theory == PlateTheory::Kirchhoff;
+        let theory = if settings.is_thin || is_kirchhoffs {
             let stiffest = layers.iter().map(|layer| layer.young).fold(0.0, f64::max);
             Layerwise::thin(&stack, |layer| layer.young >= STIFF * stiffest)
         } else {
             Layerwise::new(&stack)
         };
-        let disc = disc(scene, &thicknesses, geometry, settings);
-        let (spread, radius) =
-            geometry.area.as_ref().map_or((Spread::new(0.0), disc), |area| Spread::of_area(area, disc));
+        let disc = (!is_kirchhoffs).then(|| {
+            let radius = disc_radius(scene, &thicknesses, geometry, settings);
+            let (spread, radius) =
+                geometry.area.as_ref().map_or((Spread::new(0.0), radius), |area| Spread::of_area(area, radius));
+            Disc { spread, radius }
+        });
         let density = |part: &Part| part.material.instantaneous.density;
         let mass = parts.iter().zip(&thicknesses).map(|(part, h)| density(part) * h).sum();
-        let profile = Profile::new(&thicknesses, is_mirrored);
-        Ok(Self { profile, parts, theory, spread, radius, compliance: 0.0, mass, section })
+        let profile = match is_kirchhoffs {
+            true => Profile::thin(geometry.thickness),
+            false => Profile::new(&thicknesses, is_mirrored),
+        };
+        Ok(Self { profile, parts, theory, disc, compliance: 0.0, mass, section })
     }
 
-    /// Layerwise theory of the infinite stack, as it is loaded and evaluated, and the pressure on the disc.
-    pub fn infinite(&self) -> (&Layerwise, &Spread) {
-        (&self.theory, &self.spread)
+    /// Whether there is a single layer.
+    pub(super) fn is_one(&self) -> bool {
+        self.parts.len() == 1
+    }
+
+    /// Layerwise theory of the infinite stack, as it is loaded and evaluated.
+    pub fn theory(&self) -> &Layerwise {
+        &self.theory
     }
 
     /// Forms of twice the elastic energy after all relaxation.
@@ -174,8 +192,11 @@ impl Laminate {
 
     /// Transverse shear stress along an axis at a height, as derivatives of fields with their factors. As for all
     /// stresses, a viscoelastic layer has its instantaneous moduli. In an elastic layer, the stress is computed with
-    /// the secant moduli of its viscoelastic neighbours.
+    /// the secant moduli of its viscoelastic neighbours. Kirchhoff's theory has no shear stress.
     pub(super) fn shear_stress(&self, axis: usize, height: f64) -> Vec<(f64, Derivative<2>)> {
+        if self.profile.is_thin() {
+            return Vec::new();
+        }
         let layer = self.profile.layer_at(height);
         let ends = &self.profile.heights[layer..layer + 2];
         let part = ((height - ends[0]) / (ends[1] - ends[0])).clamp(0.0, 1.0);
@@ -204,7 +225,9 @@ impl Laminate {
             Section { thickness, young, poisson: struck.poisson, density: self.mass / thickness }
         };
         let mut section = of_rigidity(self.section.rigidity);
-        for _ in 0..ROUNDS {
+        // A single layer bends as a whole in all waves of the contact.
+        let rounds = if self.is_one() { 0 } else { ROUNDS };
+        for _ in 0..rounds {
             let wavenumber = TAU / cells::wavelength(&section, cells::contact_time(&section, &scene.impactor));
             let deflection = self.theory.face_deflection(&self.theory.wave(wavenumber));
             // Take the geometric mean of the old and the new rigidity, since the wavelength increases with the
@@ -215,7 +238,7 @@ impl Laminate {
         section
     }
 
-    /// Copy of the laminate with the shear strains and the deflections of another.
+    /// Copy of the layers with the shear strains and the deflections of another.
     #[cfg(test)]
     pub(super) fn with_theory_of(self, other: &Self) -> Self {
         Self { theory: other.theory.clone(), ..self }
@@ -228,8 +251,8 @@ impl Laminate {
 /// # Errors
 /// A fault of `body.model` if the theory cannot model the scene.
 pub fn frequency_ratios(scene: &Scene) -> crate::error::Result<FrequencyRatios> {
-    let (laminate, geometry) = of_scene(scene)?;
-    Ok(FrequencyRatios::new(&laminate, &geometry))
+    let (layers, geometry) = of_scene(scene)?;
+    Ok(FrequencyRatios::new(&layers, &geometry))
 }
 
 /// Section of all layers together as a thin plate.
@@ -241,16 +264,18 @@ pub(super) fn whole_section(scene: &Scene) -> crate::error::Result<Section> {
 }
 
 /// Layers of a scene's plate without their local contact model, and the plate's geometry.
-fn of_scene(scene: &Scene) -> crate::error::Result<(Laminate, PlateGeometry)> {
-    let fault = |reason: String| super::fault(super::PlateTheory::Layerwise, &reason);
-    let geometry = super::geometry(scene, super::PlateTheory::Layerwise).map_err(fault)?;
-    let laminate = Laminate::without_local(scene, &geometry, &Description::new(scene).parts, &Settings::default());
-    Ok((laminate.map_err(fault)?, geometry))
+fn of_scene(scene: &Scene) -> crate::error::Result<(Layers, PlateGeometry)> {
+    let theory = PlateTheory::Layerwise;
+    let geometry = super::geometry(scene, theory).map_err(super::fault)?;
+    let parts = Description::new(scene).parts;
+    let layers =
+        Layers::without_local(scene, &geometry, &parts, (theory, &Settings::default())).map_err(super::fault)?;
+    Ok((layers, geometry))
 }
 
 /// Radius of the loaded disc, m. It is as for a plate made of the impacted layer alone, which may bend separately on a
 /// soft layer, and at most the distance to the edge. With the contact law of the layers it may be wider.
-fn disc(scene: &Scene, thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
+fn disc_radius(scene: &Scene, thicknesses: &[f64], geometry: &PlateGeometry, settings: &Settings) -> f64 {
     let layer = thicknesses[0].max(LEAST_LAYER * geometry.thickness);
     let radius = match scene.impactor.layered_contact() {
         Some(layered) if settings.disc_radius.is_none() => layered.disc,

@@ -6,52 +6,63 @@
 
 use nalgebra::{Complex, DMatrix, DVector, DVectorView, SymmetricEigen};
 
-use super::Laminate;
-use super::form::{ROTATIONS, is_rotation};
+use super::profile::{ROTATIONS, is_rotation};
+use super::{Disc, Layers};
 use crate::form::plate::DEFLECTION;
 use crate::form::tensor::{Part, Square};
 use crate::material::Maxwell;
 use crate::space::plate::geometry::PlateGeometry;
 use crate::space::plate::waves::Wave;
 
+/// Highest derivative along the wave in the forms: ∇∇·θ has two.
+const HIGHEST_DERIVATIVE: usize = 2;
+
 /// Eigenvalues below this fraction of the largest one are rounding errors. If the eigenvalues are 1/ω², these waves are left
 /// out; if they are ω², their frequency is 0.
 const ROUNDING: f64 = 1e-14;
 
-/// Waves of a laminate.
-pub struct LayerwiseWaves<'a> {
-    laminate: &'a Laminate,
-    /// Forms of twice the elastic energy after all relaxation.
-    relaxed: Vec<Square<2>>,
-    /// Forms of twice the energy of each viscoelastic part for a unit shear modulus.
-    distortions: Vec<Vec<Square<2>>>,
-    /// Modulus of each viscoelastic part beyond that after all relaxation, Pa.
-    moduli: Vec<f64>,
-    /// Forms of twice the kinetic energy.
-    inertia: Vec<Square<2>>,
-    /// Terms of the displacement that is loaded and read, with their factors.
-    reading: Vec<(f64, Part<2>)>,
+/// Waves of the layers of a plate with transverse shear.
+pub struct LayerwiseWaves {
+    /// Disc on which the plate is loaded and read.
+    disc: Disc,
+    stiffness: Symbol,
+    mass: Symbol,
+    /// The displacement that is loaded and read, for each power of the wavenumber.
+    reading: Vec<DVector<f64>>,
 }
 
-impl<'a> LayerwiseWaves<'a> {
-    /// Waves of a laminate whose viscoelastic layers have their moduli at a rate (1/s). `relaxations` holds the numbers
-    /// of these layers, counted from below, with their Prony series.
+/// Matrix of a quadratic form on the amplitudes of a wave, for each power of the wavenumber.
+struct Symbol(Vec<DMatrix<f64>>);
+
+/// Linear form on the amplitudes of a wave, for each power of the wavenumber.
+type Row = [DVector<Complex<f64>>; HIGHEST_DERIVATIVE + 1];
+
+impl LayerwiseWaves {
+    /// Waves of layers of which the viscoelastic layers have their moduli at a rate (1/s). `relaxations` holds the numbers
+    /// of these layers, counted from below, with their Prony series. `None` without transverse shear.
     pub fn new(
-        laminate: &'a Laminate,
+        layers: &Layers,
         geometry: &PlateGeometry,
         relaxations: &[(&Maxwell, Vec<usize>)],
         rate: f64,
-    ) -> Self {
-        let distortions = relaxations.iter().map(|(_, layers)| laminate.distortion(geometry, layers)).collect();
-        let moduli = relaxations.iter().map(|(chain, _)| chain.transformed_terms(rate)).collect();
+    ) -> Option<Self> {
+        let disc = layers.disc?;
+        let size = 1 + layers.profile.functions();
+        let mut stiffness = Symbol::new(&layers.elastic(), size);
+        for (chain, relaxing) in relaxations {
+            let distortion = Symbol::new(&layers.distortion(geometry, relaxing), size);
+            let modulus = chain.transformed_terms(rate);
+            stiffness.0.iter_mut().zip(distortion.0).for_each(|(sum, part)| *sum += part * modulus);
+        }
         let mut reading = vec![(1.0, Part { field: DEFLECTION, derivatives: [0, 0] })];
-        reading.extend(laminate.face_deflection());
-        Self { laminate, relaxed: laminate.elastic(), distortions, moduli, inertia: laminate.inertia(), reading }
+        reading.extend(layers.face_deflection());
+        let reading = row(&reading, size).map(|power| power.map(|value| value.re)).into();
+        Some(Self { disc, stiffness, mass: Symbol::new(&layers.inertia(), size), reading })
     }
 
     /// Radius of the loaded disc, m.
     pub fn radius(&self) -> f64 {
-        self.laminate.radius
+        self.disc.radius
     }
 
     /// The waves of a wavenumber ξ (1/m), by ascending frequency. If the stiffness K is positive definite, waves with more than
@@ -65,12 +76,9 @@ impl<'a> LayerwiseWaves<'a> {
     /// # Panics
     /// If the mass is not positive definite where the stiffness is not.
     pub fn at(&self, wavenumber: f64) -> Vec<Wave> {
-        let symbol = |forms: &[Square<2>]| self.symbol(forms, wavenumber);
-        let mass = symbol(&self.inertia);
-        let parts = self.moduli.iter().zip(&self.distortions);
-        let stiffness = parts.fold(symbol(&self.relaxed), |sum, (modulus, forms)| sum + symbol(forms) * *modulus);
-        let spread = self.laminate.spread.transform(wavenumber * self.laminate.radius);
-        let reading = self.row(self.reading.iter().copied(), wavenumber).map(|value| value.re) * spread;
+        let [stiffness, mass] = [&self.stiffness, &self.mass].map(|symbol| symbol.at(wavenumber));
+        let Disc { spread, radius } = self.disc;
+        let reading = polynomial(&self.reading, wavenumber) * spread.transform(wavenumber * radius);
         let (is_stiffness_factorised, factor, other) = match stiffness.clone().cholesky() {
             Some(factor) => (true, factor, mass),
             None => (false, mass.cholesky().expect("all layers have mass"), stiffness),
@@ -94,34 +102,56 @@ impl<'a> LayerwiseWaves<'a> {
         waves.sort_by(|one, other| one.frequency.total_cmp(&other.frequency));
         waves
     }
+}
 
-    /// Matrix of a quadratic form on the amplitudes of a wave.
-    fn symbol(&self, forms: &[Square<2>], wavenumber: f64) -> DMatrix<f64> {
-        let size = 1 + self.laminate.profile.functions();
-        let mut symbol = DMatrix::zeros(size, size);
+impl Symbol {
+    /// Symbol of some forms on a number of amplitudes.
+    fn new(forms: &[Square<2>], size: usize) -> Self {
+        let mut powers = vec![DMatrix::zeros(size, size); 2 * HIGHEST_DERIVATIVE + 1];
         for form in forms {
-            let row = self.row(form.parts.iter().copied(), wavenumber);
-            symbol += (&row * row.adjoint()).map(|entry| entry.re) * form.factor;
+            let row = row(&form.parts, size);
+            for (i, one) in row.iter().enumerate() {
+                for (j, other) in row.iter().enumerate() {
+                    powers[i + j] += (one * other.adjoint()).map(|entry| entry.re) * form.factor;
+                }
+            }
         }
-        symbol
+        Self(powers)
     }
 
-    /// Linear form on the amplitudes of a wave.
-    fn row(&self, parts: impl Iterator<Item = (f64, Part<2>)>, wavenumber: f64) -> DVector<Complex<f64>> {
-        let mut row = DVector::zeros(1 + self.laminate.profile.functions());
-        for (factor, Part { field, derivatives }) in parts {
-            let along = Complex::new(0.0, wavenumber).powi(derivatives[0] as i32) * factor;
-            if derivatives[1] > 0 {
-                continue;
-            }
-            if field == DEFLECTION {
-                row[0] += along;
-            } else if is_rotation(field, 0) {
-                row[1 + (field - ROTATIONS) / 2] += along * Complex::i();
-            }
-        }
-        row
+    fn at(&self, wavenumber: f64) -> DMatrix<f64> {
+        polynomial(&self.0, wavenumber)
     }
+}
+
+/// Value of a polynomial of the wavenumber.
+fn polynomial<T>(powers: &[T], wavenumber: f64) -> T
+where
+    T: Clone + std::ops::MulAssign<f64> + for<'a> std::ops::AddAssign<&'a T>,
+{
+    let mut value = powers[powers.len() - 1].clone();
+    for power in powers.iter().rev().skip(1) {
+        value *= wavenumber;
+        value += power;
+    }
+    value
+}
+
+/// Linear form of some derivatives of fields with their factors, on a number of amplitudes.
+fn row(parts: &[(f64, Part<2>)], size: usize) -> Row {
+    let mut row: Row = std::array::from_fn(|_| DVector::zeros(size));
+    for (factor, Part { field, derivatives: [order, beside] }) in parts {
+        if *beside > 0 {
+            continue;
+        }
+        let along = Complex::i().powi(*order as i32) * *factor;
+        if *field == DEFLECTION {
+            row[*order][0] += along;
+        } else if is_rotation(*field, 0) {
+            row[*order][1 + (field - ROTATIONS) / 2] += along * Complex::i();
+        }
+    }
+    row
 }
 
 #[cfg(test)]
@@ -143,8 +173,8 @@ mod tests {
                  [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n"
             );
             let (scene, _) = Scene::parse("test", &text, &[]).expect("a scene");
-            let (laminate, geometry) = super::super::of_scene(&scene).expect("layers");
-            let waves = LayerwiseWaves::new(&laminate, &geometry, &[], 1e3);
+            let (layers, geometry) = super::super::of_scene(&scene).expect("layers");
+            let waves = LayerwiseWaves::new(&layers, &geometry, &[], 1e3).expect("transverse shear");
             [0.1, 1.0, 10.0].map(|wavenumber| {
                 let slowest = &waves.at(wavenumber)[0];
                 [slowest.frequency, slowest.of_force]

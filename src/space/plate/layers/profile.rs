@@ -1,5 +1,6 @@
-//! Layerwise plate theory as forms on fields: the mean w of the deflection over the thickness, and rotations of the
-//! layers.
+//! Layerwise plate theory as forms on fields: a mean w of the deflection over the thickness, and rotations of the
+//! layers. With one layer it is a Reissner–Mindlin plate, and without transverse shear Kirchhoff's plate, whose rotation is
+//! −∇w.
 //!
 //! Each layer is a plate with transverse shear, bonded to the next layer. The in-plane displacement at the height ζ
 //! along w is u = Σ φ_k(ζ) θ_k. Each φ_k is continuous, with slope 1 in the layers of one group and constant in the others, so
@@ -12,7 +13,8 @@
 //! ∫ λ* (∇·u)² + 2μ (ε_x² + ε_y²) + μ (2ε_xy)² dV + Σ f_i μ_i ∫ |γ_i|² dA,   λ* = 2λμ/(λ + 2μ).
 //!
 //! The shear strains γ_i = ∇w + Σ a_ik θ_k + Σ b_ik ∇∇·θ_k and the factors f_i are those of
-//! [`crate::stack::Transverse`]. Twice the kinetic energy contains the mean deflection w + Σ r_ik ∇·θ_k of each layer.
+//! [`crate::stack::Transverse`]. Twice the kinetic energy contains the deflection w + Σ r_ik ∇·θ_k of each layer, its mean
+//! over the layer.
 //!
 //! Integrals across the thickness are exact.
 
@@ -33,6 +35,8 @@ pub struct Profile {
     shapes: Vec<Vec<f64>>,
     /// Layers in which the slope of each φ_k is 1.
     groups: Vec<Vec<usize>>,
+    /// Whether the rotation is −∇w, and not a field of its own: Kirchhoff's theory, for one layer.
+    is_thin: bool,
 }
 
 /// Elastic moduli of a layer in the layerwise theory.
@@ -86,7 +90,31 @@ impl Profile {
         let mut heights: Vec<f64> = (0..=count).map(|i| thicknesses[..i].iter().sum::<f64>() - 0.5 * total).collect();
         // The faces are set exactly, without the rounding of a sum.
         (heights[0], heights[count]) = (-0.5 * total, 0.5 * total);
-        Self { heights, shapes, groups }
+        Self { heights, shapes, groups, is_thin: false }
+    }
+
+    /// Profile of one layer of a thickness (m) that does not shear.
+    pub fn thin(thickness: f64) -> Self {
+        Self { is_thin: true, ..Self::new(&[thickness], true) }
+    }
+
+    /// Whether the plate has no transverse shear.
+    pub fn is_thin(&self) -> bool {
+        self.is_thin
+    }
+
+    /// A derivative of θ_k along an axis, with its factor.
+    pub fn rotation(&self, k: usize, axis: usize, mut derivatives: [usize; 2]) -> (f64, Part<2>) {
+        if self.is_thin {
+            derivatives[axis] += 1;
+            return (-1.0, deflection(derivatives));
+        }
+        (1.0, rotation(k, axis, derivatives))
+    }
+
+    /// Sum of derivatives of θ_k along some axes, up to its sign.
+    fn rotations<const N: usize>(&self, k: usize, sum: [(usize, [usize; 2]); N]) -> Vec<Part<2>> {
+        sum.into_iter().map(|(axis, derivatives)| self.rotation(k, axis, derivatives).1).collect()
     }
 
     /// Number of functions φ_k; each has a rotation along both axes.
@@ -142,8 +170,9 @@ impl Profile {
     /// Σ c_j ∇·u_j over the faces and interfaces j, differentiated in addition, as factors of derivatives of rotations.
     pub fn dilatation(&self, of_faces: &[f64], derivatives: [usize; 2]) -> Vec<(f64, Part<2>)> {
         let [x, y] = derivatives;
-        let of =
-            |(k, factor): (usize, f64)| [(factor, rotation(k, 0, [x + 1, y])), (factor, rotation(k, 1, [x, y + 1]))];
+        let of = |(k, factor): (usize, f64)| {
+            [self.rotation(k, 0, [x + 1, y]), self.rotation(k, 1, [x, y + 1])].map(|(sign, part)| (sign * factor, part))
+        };
         self.of_rotations(of_faces).enumerate().flat_map(of).filter(|(factor, _)| *factor != 0.0).collect()
     }
 
@@ -167,11 +196,14 @@ impl Profile {
             }
         };
         let (volume, twist) = (of(|moduli| moduli.volume), of(|moduli| moduli.shear));
-        let mut forms = self.products(volume, |k| vec![rotation(k, 0, [1, 0]), rotation(k, 1, [0, 1])]);
+        let mut forms = self.products(volume, |k| self.rotations(k, [(0, [1, 0]), (1, [0, 1])]));
         for (axis, along) in [[1, 0], [0, 1]].into_iter().enumerate() {
-            forms.extend(self.products(|pair| 2.0 * twist(pair), |k| vec![rotation(k, axis, along)]));
+            forms.extend(self.products(|pair| 2.0 * twist(pair), |k| self.rotations(k, [(axis, along)])));
         }
-        forms.extend(self.products(twist, |k| vec![rotation(k, 0, [0, 1]), rotation(k, 1, [1, 0])]));
+        forms.extend(self.products(twist, |k| self.rotations(k, [(0, [0, 1]), (1, [1, 0])])));
+        if self.is_thin {
+            return forms;
+        }
         for (strain, moduli) in transverse.shear.iter().zip(moduli) {
             let factor = strain.factor * moduli.shear;
             for axis in (0..2).filter(|_| factor != 0.0) {
@@ -195,7 +227,9 @@ impl Profile {
             Square { factor, parts, place: AREA }
         };
         let mut forms: Vec<Square<2>> = self.groups.iter().map(of_group).collect();
-        (0..2).for_each(|axis| forms.extend(self.products(of, |k| vec![rotation(k, axis, [0, 0])])));
+        // Kirchhoff's theory has no rotary inertia.
+        let rotating = if self.is_thin { 0 } else { 2 };
+        (0..rotating).for_each(|axis| forms.extend(self.products(of, |k| vec![rotation(k, axis, [0, 0])])));
         forms
     }
 
@@ -239,54 +273,48 @@ pub const fn rotation(k: usize, axis: usize, derivatives: [usize; 2]) -> Part<2>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::form::plate::{Section, mindlin_elastic, mindlin_mass};
     use crate::form::tensor::Tensor;
     use crate::form::{Material, Spline};
     use crate::stack::{Layer, Stack};
 
     const GLASS: Material = Material { young: 70e9, poisson: 0.23, density: 2500.0 };
 
-    /// With a constant shear strain in each layer, a single layer is Mindlin's plate with κ = 1, and so are three layers
-    /// of one material with equal rotations.
+    /// With a constant shear strain in each layer, three layers of one material with equal rotations are one layer.
     #[test]
     fn layers_that_turn_together_are_one() {
         let lines: Vec<f64> = (0..=3).map(|i| 0.1 * f64::from(i)).collect();
-        let tensor = |count: usize| {
+        let matrices = |thicknesses: &[f64], is_mirrored: bool| {
+            let profile = Profile::new(thicknesses, is_mirrored);
             let spline = |degree: usize| Spline::new(&lines, degree, degree - 1);
             let mut fields = vec![[spline(3), spline(3)]];
-            (0..count).for_each(|_| fields.extend([[spline(2), spline(3)], [spline(3), spline(2)]]));
-            Tensor::new(fields)
-        };
-        let (section, kappa) = (Section::new(0.02, &GLASS), 1.0);
-        let one = tensor(1);
-        let plate = [one.matrix(&mindlin_elastic(&section, kappa)), one.matrix(&mindlin_mass(&section))];
-        let u: Vec<f64> = (0..one.unknowns()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
-        let deflections = one.splines(DEFLECTION).each_ref().map(Spline::functions).iter().product::<usize>();
-        let energy = |matrix: &nalgebra_sparse::CsrMatrix<f64>, u: &[f64]| -> f64 {
-            matrix.triplet_iter().map(|(i, j, value)| u[i] * value * u[j]).sum()
-        };
-        for (thicknesses, is_mirrored) in
-            [(vec![0.02], true), (vec![0.008, 0.004, 0.008], true), (vec![0.008, 0.004, 0.008], false)]
-        {
-            let profile = Profile::new(&thicknesses, is_mirrored);
-            let layers = thicknesses.len();
-            let moduli = vec![LayerModuli::new(GLASS.lame()); layers];
+            (0..profile.functions()).for_each(|_| fields.extend([[spline(2), spline(3)], [spline(3), spline(2)]]));
+            let tensor = Tensor::new(fields);
             let layer = |thickness: &f64| Layer { thickness: *thickness, young: GLASS.young, poisson: GLASS.poisson };
             let stack = Stack::new(&thicknesses.iter().map(layer).collect::<Vec<_>>()).expect("elastic layers");
             let transverse = Transverse::thin(&stack, |_| false);
-            let tensor = tensor(profile.functions());
-            let forms =
-                [profile.elastic(&moduli, &transverse), profile.mass(&vec![GLASS.density; layers], &transverse)];
+            let layers = thicknesses.len();
+            let elastic = profile.elastic(&vec![LayerModuli::new(GLASS.lame()); layers], &transverse);
+            let mass = profile.mass(&vec![GLASS.density; layers], &transverse);
+            (profile, [tensor.matrix(&elastic), tensor.matrix(&mass)], tensor)
+        };
+        let (_, one, tensor) = matrices(&[0.02], true);
+        let u: Vec<f64> = (0..tensor.unknowns()).map(|i| ((i * 7919) % 101) as f64 / 50.0 - 1.0).collect();
+        let deflections = tensor.splines(DEFLECTION).each_ref().map(Spline::functions).iter().product::<usize>();
+        let energy = |matrix: &nalgebra_sparse::CsrMatrix<f64>, u: &[f64]| -> f64 {
+            matrix.triplet_iter().map(|(i, j, value)| u[i] * value * u[j]).sum()
+        };
+        for is_mirrored in [true, false] {
+            let (profile, three, _) = matrices(&[0.008, 0.004, 0.008], is_mirrored);
             // All rotations are equal, and the in-plane displacement of the middle plane is zero.
             let mut together = u[..deflections].to_vec();
             for k in 0..profile.functions() {
-                let factor = if !is_mirrored && k == layers { 0.0 } else { 1.0 };
+                let factor = if !is_mirrored && k == profile.layers() { 0.0 } else { 1.0 };
                 together.extend(u[deflections..].iter().map(|x| factor * x));
             }
-            for (forms, plate) in forms.iter().zip(&plate) {
-                let [found, exact] = [energy(&tensor.matrix(forms), &together), energy(plate, &u)];
+            for (three, one) in three.iter().zip(&one) {
+                let [found, exact] = [energy(three, &together), energy(one, &u)];
                 // Rounding of some hundred entries.
-                assert!((found / exact - 1.0).abs() < 1e-12, "{thicknesses:?}: {found:e} {exact:e}");
+                assert!((found / exact - 1.0).abs() < 1e-12, "{is_mirrored}: {found:e} {exact:e}");
             }
         }
     }
