@@ -51,7 +51,13 @@ pub fn classes_of_motions(scene: &Scene, theory: PlateTheory) -> Result<usize> {
 /// Response of the infinite plate for a discretised plate. The moduli of viscoelastic layers are those at `rate` (1/s).
 pub(super) fn of_points(points: &Points, relaxations: &[(&Maxwell, Vec<usize>)], rate: f64) -> InfinitePlate {
     let Points { geometry, section, layers, .. } = points;
-    of_section(geometry, section, LayerwiseWaves::new(layers, geometry, relaxations, rate).as_ref())
+    let waves = LayerwiseWaves::new(layers, geometry, relaxations, rate);
+    let mut plate = of_section(geometry, section, waves.as_ref());
+    // The number of vectors per mode was measured with the modes of thin plates on one layer, whose shear adds few modes.
+    if let Some(waves) = waves.filter(|_| !layers.is_one()) {
+        plate.modes.dispersion = dispersion(section, &waves);
+    }
+    plate
 }
 
 /// The rate at which viscoelastic layers have their moduli in a scene's waves, 1/s.
@@ -69,13 +75,10 @@ fn of_section(geometry: &PlateGeometry, section: &Section, waves: Option<&Layerw
     let slowness = (section.density * section.thickness / section.rigidity()).sqrt();
     let thin = multiplicity * slowness / (4.0 * PI * section.density * section.thickness);
     let over_square = classes * edges[0] * edges[1] / (4.0 * PI * multiplicity);
-    let mut modes = ModeCount::of_thin_plate(over_square, slowness);
+    let modes = ModeCount::of_thin_plate(over_square, slowness);
     let Spectrum { density, fast_wave_compliances } = match waves {
         None => Spectrum { density: vec![(0.0, thin)], fast_wave_compliances: Vec::new() },
-        Some(waves) => {
-            modes.dispersion = dispersion(section, waves);
-            spectrum(section, waves, multiplicity)
-        }
+        Some(waves) => spectrum(section, waves, multiplicity),
     };
     InfinitePlate {
         density,
