@@ -26,25 +26,6 @@ const ORDER_PER_CELL: f64 = 0.58;
 /// there. An estimate. The force on plates converges as with other edges.
 const ORDER_AT_CLAMPS: f64 = 1.1;
 
-/// Largest cell at the impact point, over the radius of Mindlin's disc, that resolves the disc's pressure; and the
-/// order of convergence then, for any number of cells. With two and three cells the error of the force was measured to
-/// be 0.08 to 0.2 of the difference, which corresponds to orders of 4.5 and more.
-const RESOLVING_CELL_OVER_DISC: f64 = 0.7;
-const ORDER_OF_RESOLVED: f64 = 3.5;
-
-/// Range of the same ratio for coarser cells whose first grid line is near the disc's edge, while the first line of the
-/// finer cells is not. The error of the coarser cells may then be small by accident, and the difference is unreliable:
-/// the error was measured to be up to 2.2 times the difference.
-const LINE_AT_EDGE: [f64; 2] = [0.78, 1.1];
-
-/// Least order outside that range, for any number of cells: errors of up to 0.7 of the difference were measured, which
-/// is an order of 2.2.
-const ORDER_BESIDE_EDGE: f64 = 2.0;
-
-/// Largest error of a solid's tension over the difference, if the coarser grid also has fewer cells across the
-/// thickness: their effect converges with a higher order. Measured: 0.2 to 0.5 where the difference is large.
-const TENSION_FACTOR_IF_COARSER_ACROSS: f64 = 0.8;
-
 /// A plate is compared with coarser cells if there are at least this many of them along each edge, and if the error is
 /// at most this factor times the difference; otherwise it is compared with finer cells. On few cells the force converges
 /// irregularly: with two coarser cells along an edge, the error was measured to be 0.1 to 15 of the difference.
@@ -58,19 +39,12 @@ const FEWEST_COARSER_CELLS_OF_SOLIDS: f64 = 4.0;
 /// Least ratio of the numbers of those finer cells to the others along each edge.
 const FINER_RATIO_IF_FEW: f64 = 1.5;
 
-/// Error on few cells over the difference from the finer cells. Measured on sixty plates: 1.05 to 2.1. An
-/// error that is proportional to the cube of the cell size would be 1.4 of the difference.
-const ERROR_FACTOR_IF_FEW: f64 = 2.2;
-
-/// The same factor for a solid with at most two cells between the impact point and an edge. On sixty thick boxes the error
-/// was measured to be at most 2.6 of the difference, and with more cells at most 1.5 of it.
-const ERROR_FACTOR_OF_TWO_CELLS: f64 = 3.0;
-
 /// Factor from one size to the next in the search for such cells.
 const FINER_STEP: f64 = 0.95;
 
-/// Largest factor from a difference to an error. The difference of two nearly equal grids does not estimate their
-/// error.
+/// Factor from the difference to the error on few cells, in comparison with finer ones, and the largest one on others: the
+/// difference of two nearly equal grids does not estimate their error. Measured on few cells: 1.05 to 2.1 on sixty plates,
+/// up to 2.6 on sixty thick boxes. An error that is proportional to the cube of the cell size would be 1.4 of the difference.
 const LARGEST_FACTOR: f64 = 3.0;
 
 /// The force on coarser or finer cells, for comparison.
@@ -79,7 +53,6 @@ pub(super) struct Judge {
     /// Number of vectors of the basis.
     pub vectors: usize,
     pub cells: [usize; 3],
-    pub cell_over_disc: Option<f64>,
 }
 
 impl Judge {
@@ -89,10 +62,7 @@ impl Judge {
         if !is_finer {
             return self.errors_of_finer(cells, scene, theory, difference);
         }
-        let has_two = || along_face(scene, theory, cells).any(|axis| cells_from_hit(scene, cells, axis) <= 2.0);
-        let of_difference =
-            if theory == Model::Solid && has_two() { ERROR_FACTOR_OF_TWO_CELLS } else { ERROR_FACTOR_IF_FEW };
-        of_difference * difference
+        LARGEST_FACTOR * difference
     }
 
     /// Estimated errors on finer cells, from their difference from these cells.
@@ -100,12 +70,7 @@ impl Judge {
         // There are no finer cells to compare with.
         let is_unreliable = theory == Model::Solid && is_unreliable(scene, theory, self.cells, finer);
         let of_difference = if is_unreliable { LARGEST_FACTOR } else { self.of_difference(finer, scene, theory) };
-        let mut errors = of_difference * difference;
-        let is_finer_across = |axis: usize| theory == Model::Solid && self.cells[axis] < finer[axis];
-        if scene.struck_axis().is_some_and(is_finer_across) {
-            errors.stress = of_difference.min(TENSION_FACTOR_IF_COARSER_ACROSS) * difference.stress;
-        }
-        errors
+        of_difference * difference
     }
 
     /// Error on finer cells over their difference from these cells.
@@ -131,13 +96,7 @@ impl Judge {
         let is_solid = theory == Model::Solid;
         let full = if is_solid && fewest < FEW_OF_SOLIDS { ORDER_OF_SOLIDS } else { ORDER };
         let at_edges = if is_solid && scene.clamps_sections() { ORDER_AT_CLAMPS } else { full };
-        let of_few = full.min(ORDER_PER_CELL * fewest as f64);
-        let [from, to] = LINE_AT_EDGE;
-        match self.cell_over_disc.filter(|_| !is_solid) {
-            Some(cell) if cell <= RESOLVING_CELL_OVER_DISC => ORDER_OF_RESOLVED,
-            Some(cell) if cell <= from || cell > to => at_edges.min(of_few.max(ORDER_BESIDE_EDGE)),
-            _ => at_edges.min(of_few),
-        }
+        at_edges.min(ORDER_PER_CELL * fewest as f64)
     }
 }
 

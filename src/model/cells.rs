@@ -45,8 +45,6 @@ pub struct Fitted {
     pub unknowns: usize,
     /// Number of cells, as in [`Operators::cells`].
     pub cells: Option<[usize; 3]>,
-    /// Longest cell at the impact point over the disc's radius, as in [`Operators::cell_over_disc`].
-    pub cell_over_disc: Option<f64>,
     /// Description of the unknowns, for results.
     pub discretisation: String,
     /// Cell size relative to the rule of thumb.
@@ -190,7 +188,7 @@ fn refined(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, othe
         };
         let vectors = fine.compared();
         let force = watch.shared(fine.on_short_basis(scene, vectors))?;
-        let coarser = Judge { force, vectors, cells, cell_over_disc: fine.cell_over_disc };
+        let coarser = Judge { force, vectors, cells };
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
         fine = fitted(making, scene, built, (size, Some(vectors)))?;
@@ -237,11 +235,10 @@ pub(super) fn fitted(
     built: Operators,
     (size, vectors): (f64, Option<[usize; 2]>),
 ) -> Result<Fitted> {
-    let Operators { body, discretisation, evaluator, cells, cell_over_disc, measures } = built;
+    let Operators { body, discretisation, evaluator, cells, measures } = built;
     let linear = body.linear();
     let (reduced, unknowns) = (reduce_from(making, linear, scene, vectors)?, linear.unknowns());
-    let fitted =
-        Fitted { reduced, unknowns, cells, cell_over_disc, discretisation, size, error: None, evaluator, measures };
+    let fitted = Fitted { reduced, unknowns, cells, discretisation, size, error: None, evaluator, measures };
     drop(body);
     making.comm.collect_garbage()?;
     Ok(fitted)
@@ -278,7 +275,7 @@ fn on_cells_of(making: &Making, scene: &Scene, theory: Model, fine: &Fitted, siz
     if built.body.linear().unknowns() == fine.unknowns {
         return Ok(None);
     }
-    let Operators { body, cells, cell_over_disc, .. } = built;
+    let Operators { body, cells, .. } = built;
     making.watch.at(Stage::Factor)?;
     let linear = body.linear();
     let mut krylov = DirectSum::new(linear, Plan::new(making, linear, scene).start)?;
@@ -288,5 +285,5 @@ fn on_cells_of(making: &Making, scene: &Scene, theory: Model, fine: &Fitted, siz
     let Trial { force, .. } = Trials::new(making, scene).force_in(steps, &krylov.projection(linear)?)?;
     drop((krylov, body));
     making.comm.collect_garbage()?;
-    Ok(cells.map(|cells| Judge { force, vectors, cells, cell_over_disc }))
+    Ok(cells.map(|cells| Judge { force, vectors, cells }))
 }

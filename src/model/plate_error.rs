@@ -26,11 +26,8 @@ use crate::scene::{Geometry, Scene, Support};
 use crate::space::plate::LocalVibrations;
 
 /// The constant if sections are free to warp. On 16 plates, 8 to 50 times as wide as thick, compared with solids of
-/// tolerance 1e-4, the error exceeded the other two terms by at most 0.001 of the difference.
-const FREE_SECTIONS: f64 = 0.002;
-
-/// The same for plates of several layers, for which it was not measured.
-const FREE_SECTIONS_OF_LAYERS: f64 = 0.005;
+/// tolerance 1e-4, the error exceeded the other two terms by at most 0.001 of the difference, and on 24 others by 0.004.
+const FREE_SECTIONS: f64 = 0.005;
 
 /// The constant if clamps prevent warping, and its growth with (ν/(1 − ν))². Clamps hold the strain of the thickness
 /// too, which Mindlin's theory leaves free. Measured over the difference on fourteen clamped plates, 4 to 14 times as
@@ -38,11 +35,6 @@ const FREE_SECTIONS_OF_LAYERS: f64 = 0.005;
 /// at 0.37. An estimate.
 const HELD_SECTIONS: f64 = 0.03;
 const HELD_THICKNESS: f64 = 0.17;
-
-/// The constant for springs along the plate with k h up to E. Measured: up to 0.010 of the difference on plates 10 to
-/// 75 times as wide as thick, with k h/E from 0.03 to 0.9, and 0.017 on a plate 5 times as wide
-/// (tests/ranks/model/theory_error.rs has such plates).
-const SPRUNG_SECTIONS: f64 = 0.02;
 
 /// Factor of (ν/(1 − ν))²; 0.0134 of the difference was measured at ν = 0.45 in a long contact.
 const STRAINED_THICKNESS: f64 = 0.016;
@@ -58,17 +50,10 @@ const SHORT_CONTACT: [f64; 2] = [0.2, 1.2];
 /// limited to 0.3, it was up to 4.4 times the estimate.)
 const SLOW_INTERLAYERS: f64 = 0.3;
 
-/// k h/E from which springs prevent sections from warping. Below it the constant grows linearly from the one of free
+/// k h/E from which springs along the plate count as clamps. Below it the constant grows linearly from the one of free
 /// sections. Measured over the difference, at ν = 0: 0.0012 at k h/E = 0.0006, 0.002 at 0.002, 0.0065 at 0.0057, and
-/// 0.0105 at 0.014.
-const STIFF: f64 = 0.01;
-
-/// The same for plates of several layers.
-const STIFF_FOR_LAYERS: f64 = 0.02;
-
-/// k h/E above which springs count as clamps. On a plate 10 times as wide as thick 0.033 of the difference was measured
-/// at 100.
-const RIGID: f64 = 1.0;
+/// 0.0105 at 0.014; up to 0.02 from 0.03 to 0.9 (tests/ranks/model/theory_error.rs has such plates).
+const STIFF: f64 = 0.02;
 
 /// Estimated error of the acceleration by Mindlin's theory, over its difference from Kirchhoff's.
 pub fn plate_error_over_difference(scene: &Scene) -> f64 {
@@ -85,18 +70,9 @@ pub fn plate_error_over_difference(scene: &Scene) -> f64 {
 /// sections. `across` is ν/(1 − ν).
 fn sections(scene: &Scene, across: f64) -> f64 {
     let held = HELD_SECTIONS + HELD_THICKNESS * across * across;
-    // Springs constrain a ply on a soft layer more than the modulus of the struck layer suggests. Laminates were not
-    // measured.
-    let is_uniform = scene.body.composition.uniform().is_some();
-    let free = if is_uniform { FREE_SECTIONS } else { FREE_SECTIONS_OF_LAYERS };
-    if scene.clamps_sections() {
-        return held;
-    }
-    match spring_over_section(scene) {
-        part if is_uniform && part <= RIGID => free + (SPRUNG_SECTIONS - free) * (part / STIFF).min(1.0),
-        part if !is_uniform && part <= STIFF_FOR_LAYERS => free,
-        _ => held,
-    }
+    // Springs constrain a ply on a soft layer more than the modulus of the struck layer suggests.
+    let part = if scene.clamps_sections() { 1.0 } else { (spring_over_section(scene) / STIFF).min(1.0) };
+    FREE_SECTIONS + (held - FREE_SECTIONS) * part
 }
 
 /// k h/E of the springs along a plate; 0 for other bodies.

@@ -59,9 +59,6 @@ pub struct Operators {
     pub discretisation: String,
     /// Numbers of cells along the axes, for splines whose cells the program chooses; 1 across a plate.
     pub cells: Option<[usize; 3]>,
-    /// For Mindlin's plate, the longest cell at the impact point over the radius of the pressed disc
-    /// ([`Plate::cell_over_disc`]).
-    pub cell_over_disc: Option<f64>,
     /// Evaluates displacements and stresses at points, if the scene asks for them; for a distributed mesh only on rank
     /// 0.
     pub evaluator: Option<Evaluator>,
@@ -153,7 +150,6 @@ pub fn build(&Making { comm, watch, .. }: &Making, scene: &Scene, theory: Model,
                 body: Assembled::InPetsc(Box::new(body)),
                 discretisation,
                 cells: None,
-                cell_over_disc: None,
                 evaluator,
                 measures,
             })
@@ -212,12 +208,9 @@ fn is_of_splines(scene: &Scene) -> bool {
 }
 
 fn of_plate(comm: &Comm, scene: &Scene, theory: PlateTheory, size: f64) -> Result<Built> {
-    let plate = Plate::new(scene, theory, &plate_settings(scene, theory, size)?)?;
-    let cell_over_disc = plate.cell_over_disc();
-    let Plate { system, cells: [x, y], points, .. } = plate;
+    let Plate { system, cells: [x, y], points } = Plate::new(scene, theory, &plate_settings(scene, theory, size)?)?;
     let discretisation = format!("{x} × {y} cells of splines");
-    let operators = of_grid(comm, scene, (system, points), [x, y, 1], discretisation)?;
-    Ok(Built::Operators(Operators { cell_over_disc, ..operators }))
+    Ok(Built::Operators(of_grid(comm, scene, (system, points), [x, y, 1], discretisation)?))
 }
 
 fn plate_settings(scene: &Scene, theory: PlateTheory, size: f64) -> Result<plate::Settings> {
@@ -280,7 +273,7 @@ fn of_grid(
     } else {
         Assembled::InPetsc(Box::new(Body::of(&comm.session().alone(), &system)?))
     };
-    Ok(Operators { body, discretisation, cells: Some(cells), cell_over_disc: None, evaluator, measures: None })
+    Ok(Operators { body, discretisation, cells: Some(cells), evaluator, measures: None })
 }
 
 /// Evaluator of a spline grid, if the scene asks for it. The stresses opposite the impact point are added to the system.

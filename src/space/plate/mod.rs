@@ -273,21 +273,6 @@ impl Plate {
     pub fn layers(&self) -> &Layers {
         &self.points.layers
     }
-
-    /// Length of the longest cell at the impact point divided by the radius of the loaded disc, for one layer with
-    /// transverse shear. The length is doubled where the splines are smooth across the impact point: they resolve it half
-    /// as well as splines that end there.
-    pub fn cell_over_disc(&self) -> Option<f64> {
-        let Points { layers, geometry, .. } = &self.points;
-        let radius = layers.disc.filter(|_| layers.is_one())?.radius;
-        let hit = geometry.hit_in_part();
-        let longest = |i: usize| {
-            let holds = |ends: &&[f64]| ends[0] <= hit[i] && hit[i] <= ends[1];
-            let cells = self.points.lines[geometry.axes[i]].windows(2).filter(holds).map(|ends| ends[1] - ends[0]);
-            cells.fold(0.0, f64::max) * if hit[i] == geometry.ends(i)[0] { 1.0 } else { 2.0 }
-        };
-        Some(longest(0).max(longest(1)) / radius)
-    }
 }
 
 #[cfg(test)]
