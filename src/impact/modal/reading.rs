@@ -69,7 +69,7 @@ impl StressesOfSteps {
     }
 
     /// Returns a search over all steps, if the faces support it.
-    fn search<'a>(&self, faces: &'a FaceStresses) -> Option<TensionSearch<'a>> {
+    fn search<'a>(&'a self, faces: &'a FaceStresses) -> Option<TensionSearch<'a>> {
         match self {
             Self::All(stresses) => {
                 TensionSearch::new(faces, stresses.ncols(), stresses.transpose().as_slice().to_vec())

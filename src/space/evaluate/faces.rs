@@ -8,9 +8,6 @@
 
 mod grid;
 
-use std::cell::OnceCell;
-use std::rc::Rc;
-
 use petsc_wrap::Int;
 
 use crate::form::stress::{largest_in_plane, largest_principal, place, with_shear};
@@ -19,7 +16,6 @@ use crate::scene::face_names;
 use crate::scene::faces::name as surface_name;
 use crate::scene::{Geometry, Scene, Vec3};
 
-use super::search::{Screen, StressRows};
 use super::stress_map::Recovered;
 use super::{ContactNow, Form, LineStresses, LocalPoint, Map, NearHit, StressMap, TensionMap};
 
@@ -47,10 +43,6 @@ pub struct FaceStresses {
     pub map: StressMap,
     /// Faces.
     pub faces: Vec<Face>,
-    /// Data derived from the map, shared by many searches.
-    pub(super) rows: OnceCell<Rc<StressRows>>,
-    /// Data of faces with grids, with which such searches select steps.
-    pub(super) screen: OnceCell<Option<Rc<Screen>>>,
 }
 
 /// Largest difference of two equal coordinates due to rounding, m.
@@ -354,7 +346,7 @@ pub(super) fn of_mesh(mesh: &Whole, hit: Option<(usize, Vec3)>, layers: usize) -
 impl FaceStresses {
     /// Faces with the map of the stresses at their sampled points.
     pub(super) fn new(map: StressMap, faces: Vec<Face>) -> Self {
-        Self { columns: Vec::new(), map, faces, rows: OnceCell::new(), screen: OnceCell::new() }
+        Self { columns: Vec::new(), map, faces }
     }
 
     /// Largest tension on each face at a time (s), from the stresses at the sampled points and the contact, and the

@@ -129,28 +129,9 @@ impl FaceLines {
         &coefficients[first..first + self.fields[part.field].len()]
     }
 
-    /// Stresses at a crossing at one of the steps.
-    fn at(&self, coefficients: &[Together], crossing: usize, step: usize) -> [f64; 3] {
-        let [a, b] = &self.lines;
-        let ((place_a, is_image_a), (place_b, is_image_b)) =
-            (a.lines[crossing / b.lines.len()], b.lines[crossing % b.lines.len()]);
-        let mut stresses = [0.0; 3];
-        for part in &self.parts {
-            let (at_a, at_b) = (&part.along[0][place_a], &part.along[1][place_b]);
-            let rows = self.of_field(part, coefficients).chunks_exact(part.functions).skip(at_a.first);
-            let of_row = |row: &[Together]| -> f64 {
-                row[at_b.first..].iter().zip(at_b.used()).map(|(coefficient, value)| value * coefficient[step]).sum()
-            };
-            let sum: f64 = rows.zip(at_a.used()).map(|(row, value)| value * of_row(row)).sum();
-            let sign = sign(is_image_a, part.flips[0]) * sign(is_image_b, part.flips[1]);
-            stresses.iter_mut().zip(part.stresses).for_each(|(stress, factor)| *stress += sign * factor * sum);
-        }
-        stresses
-    }
-
-    /// Passes each line across the first axis to a visitor.
+    /// Writes the stresses at all crossings.
     #[inline(always)]
-    fn each_line(&self, coefficients: &[Together], visitor: &mut impl LineVisitor) {
+    fn write_stresses(&self, coefficients: &[Together], all: &mut [[Together; 3]]) {
         let [a, b] = &self.lines;
         // The terms with the same signs at mirror images are summed first.
         let flips = [[false, false], [false, true], [true, false], [true, true]];
@@ -158,7 +139,6 @@ impl FaceLines {
             flips.into_iter().filter(|flips| self.parts.iter().any(|part| part.flips == *flips)).collect();
         let places = b.places.len();
         let mut sums = vec![[[0.0; TOGETHER]; 3]; flips.len() * places];
-        let mut stresses = vec![[[0.0; TOGETHER]; 3]; b.lines.len()];
         let mut across: Vec<Together> = Vec::new();
         for place in 0..a.places.len() {
             sums.fill([[0.0; TOGETHER]; 3]);
@@ -168,7 +148,8 @@ impl FaceLines {
                 }
             }
             for (line, (_, is_image)) in a.lines.iter().enumerate().filter(|(_, (of, _))| *of == place) {
-                for ((place, is_image_b), stresses) in b.lines.iter().zip(&mut stresses) {
+                let of_line = &mut all[line * b.lines.len()..][..b.lines.len()];
+                for ((place, is_image_b), stresses) in b.lines.iter().zip(of_line) {
                     let mut sum = [[0.0; TOGETHER]; 3];
                     for (flips, sums) in flips.iter().zip(sums.chunks_exact(places)) {
                         let sign = sign(*is_image, flips[0]) * sign(*is_image_b, flips[1]);
@@ -178,16 +159,9 @@ impl FaceLines {
                     }
                     *stresses = sum;
                 }
-                visitor.line(line, &stresses);
             }
         }
     }
-}
-
-/// Visitor of the lines across the first axis of a face.
-pub trait LineVisitor {
-    /// Takes the number of a line and the stresses at its crossings.
-    fn line(&mut self, number: usize, stresses: &[[Together; 3]]);
 }
 
 /// Sign of a term at a mirror image.
@@ -221,30 +195,6 @@ impl LinePart {
                 }
             }
         }
-    }
-
-    /// Largest contribution to a stress if no coefficient exceeds 1, Pa.
-    fn largest(&self) -> f64 {
-        let of_place = |at: &AtPlace| at.used().iter().map(|value| value.abs()).sum::<f64>();
-        let along = |axis: usize| self.along[axis].iter().map(of_place).fold(0.0, f64::max);
-        let factor = self.stresses.iter().fold(0.0, |most: f64, factor| most.max(factor.abs()));
-        factor * along(0) * along(1)
-    }
-}
-
-/// Task of [`FaceLines::each_line`]. It is compiled for the vector units of each kind of processor.
-struct EachLine<'a, V> {
-    face: &'a FaceLines,
-    coefficients: &'a [Together],
-    visitor: &'a mut V,
-}
-
-impl<V: LineVisitor> pulp::NullaryFnOnce for EachLine<'_, V> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.face.each_line(self.coefficients, self.visitor);
     }
 }
 
@@ -337,22 +287,6 @@ impl LineStresses {
         }
     }
 
-    /// Upper bounds of the stresses at all crossings for a unit value of each coordinate, Pa.
-    pub fn scales(&self) -> Vec<f64> {
-        let mut scales = vec![0.0; self.count];
-        for (field, Coefficients { coordinates, columns }) in self.coefficients.iter().enumerate() {
-            let parts = self.face.parts.iter().filter(|part| part.field == field);
-            let of_field: f64 = parts.map(LinePart::largest).sum();
-            for (coordinate, column) in coordinates.iter().zip(columns.column_iter()) {
-                scales[*coordinate] += of_field * column.amax();
-            }
-        }
-        for (_, rows) in &self.apart {
-            scales.iter_mut().zip(rows.column_iter()).for_each(|(scale, row)| *scale = row.amax().max(*scale));
-        }
-        scales
-    }
-
     /// Calls `visit` with up to eight steps at a time. `coordinates` holds the coordinates step by step.
     pub fn each(&self, coordinates: &[f64], mut visit: impl FnMut(&StepsTogether)) {
         let count = self.count.max(1);
@@ -421,51 +355,17 @@ impl StepsTogether<'_> {
         self.coordinates.chunks_exact(self.lines.count.max(1))
     }
 
-    /// Passes each line across the first axis to a visitor, with the stresses at its crossings, Pa. If there are fewer
-    /// than eight steps, the values of the others have no meaning; nor have those at the crossings of [`Self::apart`].
-    pub fn each_line(&self, visitor: &mut impl LineVisitor) {
-        pulp::Arch::new().dispatch(EachLine { face: &self.lines.face, coefficients: self.coefficients, visitor });
-    }
-
-    /// Crossings that are evaluated separately, with their stresses, Pa.
-    pub fn apart(&self) -> impl Iterator<Item = (usize, [Together; 3])> {
-        self.lines.apart.iter().map(|(crossing, rows)| {
-            let mut stresses = [[0.0; TOGETHER]; 3];
+    /// Stresses at all crossings, Pa. If there are fewer than eight steps, the values of the others have no meaning.
+    pub fn stresses(&self) -> Vec<[Together; 3]> {
+        let mut all = vec![[[0.0; TOGETHER]; 3]; self.lines.crossings()];
+        // Compiled for the vector units of each kind of processor.
+        pulp::Arch::new().dispatch(|| self.lines.face.write_stresses(self.coefficients, &mut all));
+        for (crossing, rows) in &self.lines.apart {
             for (step, own) in self.coordinates().enumerate() {
-                products(rows, own).into_iter().enumerate().for_each(|(i, stress)| stresses[i][step] = stress);
+                products(rows, own).into_iter().enumerate().for_each(|(i, stress)| all[*crossing][i][step] = stress);
             }
-            (*crossing, stresses)
-        })
-    }
-
-    /// Stresses at a crossing at one of the steps, Pa.
-    pub fn at(&self, crossing: usize, step: usize) -> [f64; 3] {
-        match self.lines.apart.iter().find(|(apart, _)| *apart == crossing) {
-            Some((_, rows)) => {
-                let count = self.lines.count;
-                products(rows, &self.coordinates[step * count..(step + 1) * count])
-            }
-            None => self.lines.face.at(self.coefficients, crossing, step),
         }
-    }
-
-    /// Stresses at all crossings, Pa.
-    fn stresses(&self) -> Vec<[Together; 3]> {
-        let mut all = Copied(vec![[[0.0; TOGETHER]; 3]; self.lines.crossings()]);
-        self.each_line(&mut all);
-        let Copied(mut all) = all;
-        self.apart().for_each(|(crossing, stresses)| all[crossing] = stresses);
         all
-    }
-}
-
-/// Stresses at all crossings.
-struct Copied(Vec<[Together; 3]>);
-
-impl LineVisitor for Copied {
-    #[inline(always)]
-    fn line(&mut self, number: usize, stresses: &[[Together; 3]]) {
-        self.0[number * stresses.len()..][..stresses.len()].copy_from_slice(stresses);
     }
 }
 

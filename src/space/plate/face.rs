@@ -64,7 +64,7 @@ mod tests {
     use crate::space::plate::{Plate, PlateTheory, Settings};
 
     /// On a quarter, and on a whole plate with four symmetry classes, the stresses on lines equal the stresses
-    /// evaluated point by point, and are below their bounds.
+    /// evaluated point by point.
     #[test]
     fn stresses_on_lines_are_those_of_their_points() {
         for point in [[0.0, 0.0], [0.07, -0.05]] {
@@ -112,16 +112,6 @@ mod tests {
                 }
             }
             assert_eq!(seen, found.len());
-            // At single crossings the stresses are the same, and none exceeds the bound.
-            let bound: f64 = stresses.scales().iter().zip(&coordinates).map(|(scale, y)| (scale * y).abs()).sum();
-            assert!(largest <= bound && bound < 1e3 * largest, "{largest} {bound}");
-            stresses.each(&coordinates, |together| {
-                for (crossing, found) in found.chunks_exact(3).enumerate() {
-                    for (one, other) in together.at(crossing, 0).into_iter().zip(found) {
-                        assert!((one - other).abs() < 1e-13 * bound, "{crossing}: {one} {other}");
-                    }
-                }
-            });
         }
     }
 }

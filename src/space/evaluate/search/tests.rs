@@ -1,4 +1,4 @@
-//! Tests of the search against a search of all points in double precision, and of its error bound.
+//! Tests of the search against a search point by point.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -15,14 +15,6 @@ impl Numbers {
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
         (self.0 >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
-    }
-}
-
-/// Rows of a search.
-fn of_rows<'a>(search: &'a TensionSearch) -> &'a StressRows {
-    match &search.stresses {
-        Stresses::Rows(rows) => rows,
-        Stresses::Lines(_) => panic!("rows"),
     }
 }
 
@@ -107,22 +99,29 @@ fn steps() -> (Vec<f64>, Vec<ContactNow>) {
     (coordinates, contacts)
 }
 
-/// The result agrees with a search of all points in double precision.
+/// Sum of the magnitudes of the products in a stress of a step, at most, Pa.
+fn size(rows: &[f64], of_step: &[f64]) -> f64 {
+    let of_row = |row: &[f64]| row.iter().zip(of_step).map(|(a, b)| (a * b).abs()).sum::<f64>();
+    rows.chunks_exact(COUNT).map(of_row).fold(0.0, f64::max)
+}
+
+/// The result agrees with a search point by point.
 #[test]
 fn what_is_found_is_what_a_search_of_all_points_finds() {
     let (faces, rows) = plate();
     let (coordinates, contacts) = steps();
-    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
+    let search = TensionSearch::new(&faces, COUNT, &rows).expect("faces of a box");
     let found = search.tensions(&coordinates, &contacts, None).steps;
     assert_eq!(found.len(), contacts.len());
     let mut places = std::collections::BTreeSet::new();
     for (step, (found, contact)) in found.iter().zip(&contacts).enumerate() {
         let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
         let (all, _) = faces.tensions(&faces.map.apply(of_step), contact, 0.0);
-        for (one, other) in found.iter().zip(&all) {
-            // Sums of some forty products in another order.
-            let rounding = 1e-13 * of_rows(&search).scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>();
-            let rounding = rounding + 1e-13 * other.largest.abs();
+        for ((one, other), face) in found.iter().zip(&all).zip(&faces.faces) {
+            // Sums of some forty products in another order. With stresses across the face, the arc cosine of two equal
+            // principal stresses, as under the impact point, has half of the digits.
+            let digits = if face.across.is_some() { 1e-8 } else { 1e-13 };
+            let rounding = digits * (size(&rows, of_step) + other.largest.abs());
             assert!((one.largest - other.largest).abs() <= rounding, "{step}: {one:?} {other:?}");
             let apart = (0..3).map(|i| (one.point[i] - other.point[i]).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-9, "{step}: {one:?} {other:?}");
@@ -173,9 +172,8 @@ fn lines_are_searched_as_rows_are() {
     let lines = on_lines(&rows);
     let faces = FaceStresses::new(StressMap::Lines(lines.clone()), faces);
     let (coordinates, contacts) = steps();
-    let by_rows = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
-    let sizes = coordinates.chunks(COUNT).map(|of_step| size(of_step, &of_rows(&by_rows).scales));
-    let sizes: Vec<f64> = sizes.collect();
+    let by_rows = TensionSearch::new(&faces, COUNT, &rows).expect("faces of a box");
+    let sizes: Vec<f64> = coordinates.chunks(COUNT).map(|of_step| size(&rows, of_step)).collect();
     let times: Vec<f64> = (0..contacts.len()).map(|step| step as f64).collect();
     let of_lines = TensionSearch::on_lines(&faces, &lines).expect("faces of a box");
     let [of_lines, by_rows] = [of_lines, by_rows].map(|search| search.tensions(&coordinates, &contacts, None));
@@ -192,33 +190,8 @@ fn lines_are_searched_as_rows_are() {
     let [one, other] = [of_lines.map(&times), by_rows.map(&times)].map(|map| map.tension);
     assert!(one.iter().any(|tension| *tension > 0.0));
     for (point, (one, other)) in one.iter().zip(&other).enumerate() {
-        // The error of single precision with rows.
-        assert!(one == other || (one - other).abs() < 1e-5 * largest, "{point}: {one} {other}");
-    }
-}
-
-/// If only the largest tension of all steps is needed, it is found unchanged, and so is the first step above a smallest
-/// tension of interest, although many steps are not searched.
-#[test]
-fn what_is_far_below_is_left_out() {
-    let (faces, rows) = plate();
-    let (coordinates, contacts) = steps();
-    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
-    let all = search.tensions(&coordinates, &contacts, None).steps;
-    for face in 0..faces.faces.len() {
-        let tensions: Vec<f64> = all.iter().map(|faces| faces[face].largest).collect();
-        let largest = tensions.iter().copied().fold(0.0, f64::max);
-        for least in [f64::INFINITY, 0.6 * largest] {
-            let found = search.tensions(&coordinates, &contacts, Some(least)).steps;
-            let found: Vec<f64> = found.iter().map(|faces| faces[face].largest).collect();
-            let first = |tensions: &[f64], level: f64| tensions.iter().position(|tension| *tension >= level);
-            assert_eq!(first(&found, largest), first(&tensions, largest));
-            assert_eq!(first(&found, least), first(&tensions, least));
-            // Tensions that are found are unchanged, and some are left out.
-            assert!(found.iter().zip(&tensions).all(|(found, all)| found.is_nan() || found == all));
-            let left_out = found.iter().filter(|found| found.is_nan()).count();
-            assert!(left_out > found.len() / 4, "{left_out} of {}", found.len());
-        }
+        // Rounding of single precision, in which maps are kept.
+        assert!(one == other || (one - other).abs() < 1e-6 * largest, "{point}: {one} {other}");
     }
 }
 
@@ -234,9 +207,8 @@ fn some_steps_of_a_smooth_history_are_searched() {
     };
     let coordinates: Vec<f64> = (0..count as usize).flat_map(of_step).collect();
     let contacts = vec![ContactNow::default(); count as usize];
-    let all = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box").tensions(&coordinates, &contacts, None);
-    let found =
-        TensionSearch::on_basis(&faces).expect("a basis").tensions(&coordinates, &contacts, Some(f64::INFINITY));
+    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
+    let [all, found] = [None, Some(f64::INFINITY)].map(|least| search.tensions(&coordinates, &contacts, least));
     let [all, found] = [all, found].map(|searched| -> Vec<f64> {
         let each = searched.steps.iter().map(|faces| faces.iter().map(|face| face.largest).fold(f64::NAN, f64::max));
         each.collect()
@@ -247,7 +219,7 @@ fn some_steps_of_a_smooth_history_are_searched() {
         found.iter().position(|tension| *tension == largest)
     );
     let searched = found.iter().filter(|tension| !tension.is_nan()).count();
-    assert!(searched < found.len() / 3, "{searched}");
+    assert!(searched < found.len() / 2, "{searched}");
 }
 
 /// A short maximum of the vibration and a short contact, both late and between the steps that are looked at first, are
@@ -268,9 +240,8 @@ fn short_maxima_between_the_first_steps_are_found() {
         let force = |step: usize| of_force * (1.0 - near(step, 101.0, 3.0)).max(0.0);
         let contacts: Vec<ContactNow> =
             (0..count).map(|step| ContactNow { force: force(step), radius: 0.02 }).collect();
-        let all = TensionSearch::new(&faces, COUNT, rows.clone()).expect("faces of a box");
-        let all = all.tensions(&coordinates, &contacts, None);
-        let on_basis = TensionSearch::on_basis(&faces).expect("a basis");
+        let search = TensionSearch::new(&faces, COUNT, &rows).expect("faces of a box");
+        let all = search.tensions(&coordinates, &contacts, None);
         let largest_of = |searched: &Searched| -> Vec<f64> {
             let each =
                 searched.steps.iter().map(|faces| faces.iter().map(|face| face.largest).fold(f64::NAN, f64::max));
@@ -279,12 +250,12 @@ fn short_maxima_between_the_first_steps_are_found() {
         let all = largest_of(&all);
         let largest = all.iter().copied().fold(0.0, f64::max);
         for least in [f64::INFINITY, 0.7 * largest] {
-            let found = largest_of(&on_basis.tensions(&coordinates, &contacts, Some(least)));
+            let found = largest_of(&search.tensions(&coordinates, &contacts, Some(least)));
             let first = |tensions: &[f64], level: f64| tensions.iter().position(|tension| *tension >= level);
             assert_eq!(first(&found, largest), first(&all, largest), "{of_vibration} {of_force}");
             assert_eq!(first(&found, least), first(&all, least), "{of_vibration} {of_force}");
             let searched = found.iter().filter(|tension| !tension.is_nan()).count();
-            assert!(searched < count / 4, "{searched}");
+            assert!(searched < count / 2, "{searched}");
         }
     }
 }
@@ -295,7 +266,7 @@ fn short_maxima_between_the_first_steps_are_found() {
 fn the_map_is_that_of_all_points_and_steps() {
     let (faces, rows) = plate();
     let (coordinates, contacts) = steps();
-    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
+    let search = TensionSearch::new(&faces, COUNT, &rows).expect("faces of a box");
     let times: Vec<f64> = (0..contacts.len()).map(|step| step as f64).collect();
     let searched = search.tensions(&coordinates, &contacts, None);
     let map = searched.map(&times);
@@ -303,11 +274,8 @@ fn the_map_is_that_of_all_points_and_steps() {
     for (step, contact) in contacts.iter().enumerate() {
         let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
         let (_, of_step_alone) = faces.tensions(&faces.map.apply(of_step), contact, times[step]);
-        let size = of_rows(&search).scales.iter().zip(of_step).map(|(s, w)| (s * w).abs()).sum::<f64>() as f32;
-        if size > 0.0 {
-            let top = of_step_alone.tension.iter().copied().fold(f32::NEG_INFINITY, f32::max) / size;
-            room = room.max(search.bound(top, COUNT, 1.0) * size);
-        }
+        // Rounding of single precision.
+        room = room.max(1e-6 * size(&rows, of_step) as f32);
         exhaustive.take(&of_step_alone);
         of_steps.push(of_step_alone);
     }
@@ -335,37 +303,6 @@ fn the_map_is_that_of_all_points_and_steps() {
     assert!((of_map - of_history).abs() <= room, "{of_map} {of_history}");
     // Otherwise the tolerance would hide errors.
     assert!(room < 1e-4 * of_history, "{room} {of_history}");
-}
-
-/// The error of tensions in single precision is below half of the bound, but not so small that the bound is useless.
-#[test]
-fn single_precision_keeps_its_bound() {
-    let (faces, rows) = plate();
-    let (coordinates, contacts) = steps();
-    let search = TensionSearch::new(&faces, COUNT, rows).expect("faces of a box");
-    let (mut seen, mut worst) = (Seen::default(), 0.0_f64);
-    for (step, contact) in contacts.iter().enumerate() {
-        let of_step = &coordinates[step * COUNT..(step + 1) * COUNT];
-        let mut column = Vec::new();
-        let size = of_rows(&search).of_steps(of_step, &mut column)[0];
-        if size < 1e-30 {
-            continue;
-        }
-        seen.take(&column);
-        for (face, local) in faces.faces.iter().zip(&search.local) {
-            seen.look((face, local), (&column[..], size), contact, Wanted::All);
-            let bound = f64::from(search.bound(seen.top, COUNT, 1.0));
-            for point in (0..face.points.len()).filter(|point| !face.left_out[*point]) {
-                let exact = face.value(point, |number| of_rows(&search).at(number, of_step), contact) / size;
-                let off = (f64::from(seen.values[point]) - exact).abs();
-                // Below the top the bound need not hold: a value below its own limit cannot be the largest.
-                let room = 0.5 * bound * exact.abs().max(1.0) / f64::from(seen.top.abs()).max(1.0);
-                worst = worst.max(off / room.max(0.5 * bound));
-                assert!(off < room.max(0.5 * bound), "{step} {point}: {off:e} {bound:e}");
-            }
-        }
-    }
-    assert!(worst > 1e-3, "{worst:e}");
 }
 
 /// If coordinates are computed from states only at the steps that need them, the result is the same as with all
