@@ -10,6 +10,7 @@ mod stresses;
 #[path = "../common/texts.rs"]
 mod texts;
 
+mod constants;
 mod elements;
 mod forms;
 mod layerwise_plates;

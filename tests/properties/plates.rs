@@ -263,8 +263,14 @@ fn stiff_springs_tend_to_clamps() {
         for (stiffness, components) in [("[0, 0, 1e18]", r#"["z"]"#), ("[1e18, 1e18, 1e18]", r#"["x", "y", "z"]"#)] {
             let [sprung, clamped] = [elastic("side", stiffness), held("side", components)]
                 .map(|rest| answer(&plate(&scene(body, "", &rest), theory, 1.0), 0.0));
-            // E/(k h) = 2e-6 of the plate's own stiffness, and rounding times 1e9.
-            assert!((sprung / clamped - 1.0).abs() < 2e-5, "{theory:?}: {sprung:e} {clamped:e}");
+            let off = sprung / clamped - 1.0;
+            if theory == PlateTheory::Layerwise && components.contains('x') {
+                // A clamp also holds the strain of the thickness: some 0.04 h/L of the deflection, with h/L from 0.05 to 0.075.
+                assert!((5e-4..4e-3).contains(&off), "{off:e}");
+            } else {
+                // E/(k h) = 2e-6 of the plate's own stiffness, and rounding times 1e9.
+                assert!(off.abs() < 2e-5, "{theory:?}: {sprung:e} {clamped:e}");
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::layers::Layers;
 use super::{Points, layers::profile::rotation};
-use crate::description::{Clamp, Description, Extent, Spring};
+use crate::description::Clamp;
 use crate::form::plate::AREA;
 use crate::form::tensor::{Along, Square};
 use crate::space::grid::Face;
@@ -23,9 +23,9 @@ fn bending(poisson: f64) -> f64 {
     across * across / (15.0 + 5.2 * across)
 }
 
-/// Corrections of twice the elastic energy along clamped edges, and along edges on springs as far as these are stiffer than
-/// the sections of the plate. Without shear, and with several layers, there are none.
-pub(super) fn forms(points: &Points, description: &Description) -> Vec<Square<2>> {
+/// Corrections of twice the elastic energy along clamped edges. Without shear, and with several layers, there are none.
+/// Edges on springs have none, so that the stiffness of the body is linear in that of its springs.
+pub(super) fn forms(points: &Points, clamps: &[Clamp]) -> Vec<Square<2>> {
     let Points { geometry, section, layers, .. } = points;
     let Layers { theory, profile, .. } = layers;
     let [strain] = &theory.transverse().shear[..] else { return Vec::new() };
@@ -40,27 +40,17 @@ pub(super) fn forms(points: &Points, description: &Description) -> Vec<Square<2>
         for (is_upper, strip) in [(false, [start, start + width]), (true, [end - width, end])] {
             let face = Face { axis: across, is_upper };
             let is_symmetry_plane = geometry.halved[side] && !is_upper;
-            let is_here = |surface: &str| Face::of_surface(surface, &geometry.mirrors()).any(|other| other == face);
-            let is_clamp = |clamp: &Clamp| {
-                is_here(&clamp.surface) && clamp.components[across] && clamp.components[geometry.normal]
+            let holds = |clamp: &Clamp| {
+                let is_here = Face::of_surface(&clamp.surface, &geometry.mirrors()).any(|other| other == face);
+                is_here && clamp.components[across] && clamp.components[geometry.normal]
             };
-            let of_spring = |Spring { region, stiffness, .. }: &Spring| {
-                let is_whole = region.iter().any(|place| place.extent == Extent::All && is_here(&place.surface));
-                let relative = stiffness[across].min(stiffness[geometry.normal]) * section.thickness / section.young;
-                if is_whole { relative / (1.0 + relative) } else { 0.0 }
-            };
-            let is_clamped = description.clamps.iter().any(is_clamp);
-            let held = match is_clamped {
-                true => 1.0,
-                false => description.springs.iter().map(of_spring).fold(0.0, f64::max),
-            };
-            if is_symmetry_plane || held == 0.0 {
+            if is_symmetry_plane || !clamps.iter().any(holds) {
                 continue;
             }
             let (mut place, mut along) = (AREA, [0, 0]);
             (place[side], along[side]) = (Along::Within(strip), 1);
-            let rigidity = held * bending(section.poisson) * section.rigidity() / STRIP;
-            let shear = held * SHEAR * strain.factor * section.shear() / section.thickness / STRIP;
+            let rigidity = bending(section.poisson) * section.rigidity() / STRIP;
+            let shear = SHEAR * strain.factor * section.shear() / section.thickness / STRIP;
             forms.push(Square::of_sum(rigidity, &[rotation(0, side, along)], place));
             forms.push(Square { factor: shear, parts: profile.shear_strain(strain, side), place });
         }

@@ -220,7 +220,7 @@ impl Plate {
         let mut integrals = Integrals::default();
         let mut of_forms = |forms: &[Square<2>]| of_classes(points.tensor.matrix_sharing(forms, &mut integrals));
         let layers = &points.layers;
-        let elastic = [layers.elastic(), edges::forms(&points, &description)].concat();
+        let elastic = [layers.elastic(), edges::forms(&points, &description.clamps)].concat();
         let (mass, elastic) = (of_forms(&layers.inertia()), of_forms(&elastic));
         let mut relaxations = Vec::new();
         for (chain, relaxing) in description.relaxations() {
