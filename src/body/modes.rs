@@ -10,7 +10,7 @@ use super::relaxing_directions::amplitudes;
 use super::row_blocks::RowBlocks;
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
-use super::{BlockMatrix, FoundationPoints, PadShapes, Projection};
+use super::{BlockMatrix, FoundationPoints, InternalForce, PadShapes, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
 
@@ -41,32 +41,52 @@ pub struct Modes {
     /// if stresses are not read.
     pub(crate) hit_stress: Option<(Shapes, [f64; 3])>,
     /// Unilateral foundations, whose springs are included in the modes.
-    pub(crate) foundation: Option<ModalFoundation>,
+    foundation: Option<ModalFoundation>,
+    /// Inputs b of forces on x, with dampers or relaxation. `None` without them; the inputs are then 1.
+    pub(crate) force_inputs: Option<BlockMatrix>,
 }
 
 /// Unilateral foundations in the real coordinates x of the vibrations. The modes that are left out do not move them.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ModalFoundation {
+struct ModalFoundation {
     /// Foundation points. Their offsets s ū are reduced by the equilibrium displacement of the modes that are left out.
-    pub points: FoundationPoints,
+    points: FoundationPoints,
     /// The shapes in which each pad moves.
-    pub shapes: Vec<PadShapes>,
-    /// Inputs b of forces on x, with dampers or relaxation. `None` without them; the inputs are then 1.
-    pub inputs: Option<BlockMatrix>,
+    shapes: Vec<PadShapes>,
 }
 
 impl ModalFoundation {
     /// Returns the penetrations g at given coordinates x, m.
-    pub fn penetrations(&self, x: &DVector<f64>) -> DVector<f64> {
+    fn penetrations(&self, x: &DVector<f64>) -> DVector<f64> {
         let mut penetrations = -&self.points.offsets;
         self.shapes.iter().for_each(|pad| pad.add_displacements(x, &mut penetrations));
         penetrations
     }
 
-    /// Returns the generalised forces along x of forces on the points, N.
-    pub fn forces(&self, at_points: &DVector<f64>) -> DVector<f64> {
+    /// Adds the generalised forces along x of forces on the points, N.
+    fn add_forces(&self, at_points: &DVector<f64>, along: &mut DVector<f64>) {
+        self.shapes.iter().for_each(|pad| pad.add_forces(at_points, along));
+    }
+}
+
+impl InternalForce for ModalFoundation {
+    fn add_force(&self, x: &DVector<f64>, force: &mut DVector<f64>) {
+        self.add_forces(&-self.points.pull(&self.penetrations(x)), force);
+    }
+
+    fn scale(&self, x: &DVector<f64>) -> f64 {
+        let mut along = DVector::zeros(x.len());
+        self.add_forces(&self.points.stiffness.component_mul(&self.penetrations(x)), &mut along);
+        along.lp_norm(1)
+    }
+
+    fn energy(&self, x: &DVector<f64>) -> f64 {
+        -self.points.energy(&self.points.pull(&self.penetrations(x)))
+    }
+
+    fn force_at_rest(&self) -> DVector<f64> {
         let mut along = DVector::zeros(self.points.rows.ncols());
-        self.shapes.iter().for_each(|pad| pad.add_forces(at_points, &mut along));
+        self.add_forces(&-&self.points.resting, &mut along);
         along
     }
 }
@@ -147,6 +167,7 @@ impl Modes {
             shapes,
             hit_stress: None,
             foundation: None,
+            force_inputs: None,
         }
     }
 
@@ -169,6 +190,11 @@ impl Modes {
         // Rounding may give a free motion a nonzero frequency.
         let sinks = |mode: &Mode| (mode.output * mode.load).norm() > LARGEST_MODE_DISPLACEMENT * mode.rate.norm();
         if is_held && !self.modes.iter().any(sinks) { Ok(()) } else { Err(no_equilibrium()) }
+    }
+
+    /// The force that the linear stiffness of the modes does not contain, if there is one.
+    pub(crate) fn internal_force(&self) -> Option<&dyn InternalForce> {
+        self.foundation.as_ref().map(|foundation| foundation as &dyn InternalForce)
     }
 
     /// Returns the displacements x of the vibrations from z.
@@ -420,7 +446,7 @@ impl Spectrum {
             if points.is_settled {
                 points.offsets.gemv(-1.0, &all.rows, &at_rest, 1.0);
             }
-            ModalFoundation { shapes: points.pad_shapes(), points, inputs }
+            ModalFoundation { shapes: points.pad_shapes(), points }
         });
         if let Some(ModeAcceleration { shapes: accelerated, at_rest }) = &self.acceleration {
             shapes.moving = accelerated.select_columns(&moving);
@@ -440,7 +466,17 @@ impl Spectrum {
         };
         let hit_stress =
             (self.hit_stress.nrows() > 0).then(|| (shapes.mapped(&self.hit_stress), self.local_stress_per_newton));
-        Ok(Modes { modes, free, residual, rest, forms, shapes, hit_stress, foundation })
+        Ok(Modes {
+            modes,
+            free,
+            residual,
+            rest,
+            forms,
+            shapes,
+            hit_stress,
+            foundation,
+            force_inputs: inputs.filter(|_| self.foundation.is_some()),
+        })
     }
 }
 

@@ -18,7 +18,7 @@ const GAP: usize = 4 * LANES;
 const MAX_VECTORS_AT_ONCE: usize = 8;
 
 /// A run of neighbouring entries in a row.
-struct Run {
+struct Stretch {
     /// Column of the first entry.
     column: u32,
     /// Number of lots of [`LANES`] entries.
@@ -29,7 +29,7 @@ struct Run {
 pub struct RunLengthMatrix {
     /// For each row, the end of its runs.
     ends: Vec<u32>,
-    runs: Vec<Run>,
+    runs: Vec<Stretch>,
     /// Values of all runs, one run after the other.
     values: Vec<[f64; LANES]>,
 }
@@ -61,7 +61,7 @@ impl RunLengthMatrix {
         self.values.resize(start + lots, [0.0; LANES]);
         let places = self.values[start..].as_flattened_mut();
         columns.iter().zip(values).for_each(|(column, value)| places[column - first] = *value);
-        self.runs.push(Run { column: first as u32, lots: lots as u32 });
+        self.runs.push(Stretch { column: first as u32, lots: lots as u32 });
     }
 
     /// Multiplies the matrix with columns, which are stored one after the other.

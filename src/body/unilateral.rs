@@ -173,7 +173,7 @@ pub struct PadShapes {
 }
 
 /// Displacement in the shapes that are left out, relative to the largest displacement of a pad.
-const LEFT_OUT: f64 = 1e-12;
+const NEGLIGIBLE_SHAPE: f64 = 1e-12;
 
 impl PadShapes {
     /// Factorises the rows of the points in one place: a modified Gram-Schmidt process that takes the longest remaining column
@@ -191,7 +191,7 @@ impl PadShapes {
             if length <= least {
                 break;
             }
-            least = f64::max(least, LEFT_OUT * length);
+            least = f64::max(least, NEGLIGIBLE_SHAPE * length);
             let shape = left.column(longest) / length;
             let amplitude = left.tr_mul(&shape);
             left.ger(-1.0, &shape, &amplitude, 1.0);

@@ -11,7 +11,7 @@ use crate::figure::precision::{Method as Line, Precision, Setting, draw};
 use crate::record::folder::Folder;
 use crate::scene::Scene;
 use crate::study::chart::{
-    Errors, Foreign, Ladder, Method, Point, Reference, Run, check_same_impact, cleared, comparable, csv, foreign,
+    Errors, Foreign, Ladder, Method, Point, Reference, TimedRun, check_same_impact, cleared, comparable, csv, foreign,
     history, refine, runs, settings_of, summary,
 };
 use crate::study::history::Difference;
@@ -140,8 +140,8 @@ fn read(comm: &Comm, arguments: &Chart, (scene, text): (&Scene, &str)) -> Result
 }
 
 /// Points of all runs, sorted by method, and of the other programs.
-fn points(methods: &[Method], runs: &[Run], peers: &[Foreign], reference: &Reference) -> Vec<Point> {
-    let own = |run: &Run| {
+fn points(methods: &[Method], runs: &[TimedRun], peers: &[Foreign], reference: &Reference) -> Vec<Point> {
+    let own = |run: &TimedRun| {
         let timed = &run.timed;
         let tolerance = run.settings.iter().find_map(|setting| setting.strip_prefix("accuracy.tolerance="));
         let vectors = if timed.reduction == "none" { String::new() } else { format!(", {}", timed.reduction) };

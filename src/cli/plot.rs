@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::figure::face::draw as draw_face;
-use crate::figure::history::{Curve, History, Role, Run, draw};
+use crate::figure::history::{Curve, History, Role, RunCurves, draw};
 use crate::figure::sweep as figure;
-use crate::record::quantity::{Part, Quantity, quantity};
+use crate::record::quantity::{Component, Quantity, quantity};
 use crate::record::read;
 use crate::record::stress::{FaceMap, STRESS_MAP, StressMaps, Stresses};
 use crate::record::sweep::{self as record, Key, Status, Sweep, Values, is_sweep};
@@ -54,7 +54,7 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
         runs: Vec::new(),
     };
     for (Quantity { time, parts, contacts, .. }, label) in found.into_iter().zip(labels) {
-        let curve = |Part { name, values }: Part| {
+        let curve = |Component { name, values }: Component| {
             let role = if is_alone && name == "total" { Role::Total } else { Role::Value };
             let label = match name.as_str() {
                 "" => label.clone(),
@@ -63,7 +63,7 @@ pub fn plot(files: &[PathBuf], out: &Path, asked: Option<&str>) -> Result<()> {
             };
             Curve { label, values, role }
         };
-        history.runs.push(Run { time, curves: parts.into_iter().map(curve).collect(), contacts });
+        history.runs.push(RunCurves { time, curves: parts.into_iter().map(curve).collect(), contacts });
     }
     draw(&history, out)
 }

@@ -11,7 +11,7 @@ use crate::agree::{decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
 use crate::record::stress::StrengthVerdict;
-use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Part, SweepWriter};
+use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Shard, SweepWriter};
 use crate::scene::{Model, Scene, Source};
 use crate::study::sweep::{Bodies, Found, Grid, Grouping, Property, Task, Variation, digest, parts, schedule};
 
@@ -221,7 +221,7 @@ impl SweepRecorder {
     }
 
     fn take_over(&mut self, path: &Path) -> Result<()> {
-        let part = Part::read(path)?;
+        let part = Shard::read(path)?;
         let differs = self.writer.header().check_same(&part.header);
         differs.map_err(|why| Error::io(path, format!("{why}: it cannot be a part of {}", self.output.display())))?;
         let mut count = 0;

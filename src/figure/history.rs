@@ -20,12 +20,12 @@ pub struct History {
     /// Unit of the quantity.
     pub unit: String,
     /// The runs.
-    pub runs: Vec<Run>,
+    pub runs: Vec<RunCurves>,
 }
 
 /// The curves of one run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
+pub struct RunCurves {
     /// Times of the values, s.
     pub time: Vec<f64>,
     /// The quantity, or one curve for each of its components.
@@ -253,7 +253,7 @@ impl History {
     }
 }
 
-impl Run {
+impl RunCurves {
     /// Time in ms and value of a curve, where both are finite.
     fn points(&self, curve: &Curve) -> impl Iterator<Item = (f64, f64)> {
         let points = self.time.iter().zip(&curve.values).map(|(t, value)| (1e3 * t, *value));
@@ -274,7 +274,7 @@ mod tests {
                 values: vec![0.0],
                 role: if n == total { Role::Total } else { Role::Value },
             };
-            let run = Run { time: vec![0.0], curves: (0..count).map(curve).collect(), contacts: Vec::new() };
+            let run = RunCurves { time: vec![0.0], curves: (0..count).map(curve).collect(), contacts: Vec::new() };
             let history =
                 History { title: String::new(), quantity: String::new(), unit: String::new(), runs: vec![run] };
             let strokes = history.strokes();

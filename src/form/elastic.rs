@@ -1,21 +1,21 @@
 //! Three-dimensional elasticity as forms on three fields, the components of the displacement.
 
 use super::Lame;
-use super::tensor::{Along, Part, Square};
+use super::tensor::{Along, Derivative, Square};
 
 /// Integration over the whole body.
 pub const VOLUME: [Along; 3] = [Along::All; 3];
 
 /// One component of the displacement, not differentiated.
-pub const fn displacement(component: usize) -> Part<3> {
-    Part { field: component, derivatives: [0; 3] }
+pub const fn displacement(component: usize) -> Derivative<3> {
+    Derivative { field: component, derivatives: [0; 3] }
 }
 
 /// ∂u_i/∂x_j.
-fn gradient(i: usize, j: usize) -> Part<3> {
+fn gradient(i: usize, j: usize) -> Derivative<3> {
     let mut derivatives = [0; 3];
     derivatives[j] = 1;
-    Part { field: i, derivatives }
+    Derivative { field: i, derivatives }
 }
 
 /// Largest ratio λ/μ, that of ν = 0.45, for which the change of volume is not projected.
@@ -37,7 +37,7 @@ pub fn elastic(lame: Lame, place: [Along; 3]) -> Vec<Square<3>> {
 
 /// Same as [`elastic`], with a given part of λ (Pa) on the projected change of volume.
 pub fn elastic_with(Lame { lambda, mu }: Lame, of_projection: f64, place: [Along; 3]) -> Vec<Square<3>> {
-    let square = |factor: f64, parts: &[Part<3>]| Square::of_sum(factor, parts, place);
+    let square = |factor: f64, parts: &[Derivative<3>]| Square::of_sum(factor, parts, place);
     let stretches = (0..3).map(|i| square(2.0 * mu, &[gradient(i, i)]));
     let shears = [(0, 1), (0, 2), (1, 2)].map(|(i, j)| square(mu, &[gradient(i, j), gradient(j, i)]));
     let divergence = [0, 1, 2].map(|i| gradient(i, i));

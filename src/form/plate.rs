@@ -1,7 +1,7 @@
 //! Cross-section of a homogeneous plate, and its deflection as a field.
 
 use super::Material;
-use super::tensor::{Along, Part};
+use super::tensor::{Along, Derivative};
 
 /// Integration over the whole plate.
 pub const AREA: [Along; 2] = [Along::All; 2];
@@ -52,6 +52,6 @@ impl Section {
 }
 
 /// A derivative of the deflection w.
-pub const fn deflection(derivatives: [usize; 2]) -> Part<2> {
-    Part { field: DEFLECTION, derivatives }
+pub const fn deflection(derivatives: [usize; 2]) -> Derivative<2> {
+    Derivative { field: DEFLECTION, derivatives }
 }

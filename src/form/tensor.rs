@@ -16,7 +16,7 @@ use rows::Rows;
 
 /// A derivative of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Part<const D: usize> {
+pub struct Derivative<const D: usize> {
     /// Number of the field.
     pub field: usize,
     /// Order of the derivative along each axis.
@@ -49,14 +49,14 @@ pub struct Square<const D: usize> {
     /// Factor of the integral.
     pub factor: f64,
     /// Parts with their factors, which are summed, then squared.
-    pub parts: Vec<(f64, Part<D>)>,
+    pub parts: Vec<(f64, Derivative<D>)>,
     /// Part of the domain: all of it, a face or a region of either.
     pub place: [Along; D],
 }
 
 impl<const D: usize> Square<D> {
     /// The form factor · ∫ (Σ parts of u)(Σ parts of v), with the factor 1 on all parts.
-    pub fn of_sum(factor: f64, parts: &[Part<D>], place: [Along; D]) -> Self {
+    pub fn of_sum(factor: f64, parts: &[Derivative<D>], place: [Along; D]) -> Self {
         Self { factor, parts: parts.iter().map(|part| (1.0, *part)).collect(), place }
     }
 }
@@ -67,7 +67,7 @@ pub struct Linear<const D: usize> {
     /// Factor of the integral.
     pub factor: f64,
     /// Integrand.
-    pub part: Part<D>,
+    pub part: Derivative<D>,
     /// Part of the domain: all of it, a face or a region of either.
     pub place: [Along; D],
 }
@@ -210,7 +210,7 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// Number of the products of two parts along one axis in `integrals`; computes them if necessary.
-    fn along(&self, axis: usize, place: Along, parts: [Part<D>; 2], integrals: &mut Integrals) -> usize {
+    fn along(&self, axis: usize, place: Along, parts: [Derivative<D>; 2], integrals: &mut Integrals) -> usize {
         let derivatives = parts.map(|part| part.derivatives[axis]);
         let factors =
             Factors { axis, place, fields: parts.map(|part| self.first_alike[part.field][axis]), derivatives };
@@ -231,7 +231,7 @@ impl<const D: usize> Tensor<D> {
             // No function changes its sign, so two functions overlap if and only if the integral of their product is
             // not zero. The first and last products with a projection have a single part, which is not zero either.
             Along::All | Along::Within(_) | Along::Projected if derivatives != [0, 0] => {
-                let values = parts.map(|part| Part { derivatives: [0; D], ..part });
+                let values = parts.map(|part| Derivative { derivatives: [0; D], ..part });
                 let number = self.along(axis, place, values, integrals);
                 integrals.products(number).met.clone()
             }
@@ -339,7 +339,7 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// Adds weight · (part of v at a point) to a vector.
-    pub fn add_point(&self, part: Part<D>, point: [f64; D], weight: f64, sum: &mut [f64]) {
+    pub fn add_point(&self, part: Derivative<D>, point: [f64; D], weight: f64, sum: &mut [f64]) {
         self.each_at(part, point, weight, |first, values| {
             sum[first..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         });
@@ -349,7 +349,7 @@ impl<const D: usize> Tensor<D> {
     /// axis.
     pub fn add_line(
         &self,
-        (part, factor): (Part<D>, f64),
+        (part, factor): (Derivative<D>, f64),
         (point, axis): ([f64; D], usize),
         line: &[(f64, f64)],
         sum: &mut [f64],
@@ -378,7 +378,7 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// Non-zero entries of weight · (part of v at a point), by ascending unknown.
-    pub fn at_point(&self, part: Part<D>, point: [f64; D], weight: f64) -> Vec<(usize, f64)> {
+    pub fn at_point(&self, part: Derivative<D>, point: [f64; D], weight: f64) -> Vec<(usize, f64)> {
         let mut entries = Vec::with_capacity(WIDTH.pow(D as u32));
         self.each_at(part, point, weight, |first, values| {
             entries.extend((first..).zip(values.iter().copied()).filter(|(_, value)| *value != 0.0));
@@ -387,7 +387,7 @@ impl<const D: usize> Tensor<D> {
     }
 
     /// Calls `visit` with runs of consecutive entries of weight · (part of v at a point), each with its first unknown.
-    pub fn each_at(&self, part: Part<D>, point: [f64; D], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
+    pub fn each_at(&self, part: Derivative<D>, point: [f64; D], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
         let splines = &self.fields[part.field];
         let values: [(usize, [f64; WIDTH]); D] =
             std::array::from_fn(|axis| splines[axis].at(point[axis], part.derivatives[axis]));

@@ -10,7 +10,7 @@ use crate::scene::{Symmetry, Vec3};
 
 use super::Elements;
 use super::lattice::{BoxPart, box_part};
-use super::part::{BOUNDARY, Part};
+use super::part::{BOUNDARY, RankPart};
 
 /// Grid of a box, or of a part of it.
 pub struct Grid {
@@ -50,7 +50,7 @@ impl Grid {
         // On one rank, nodes have the numbers of PETSc's box, which were used for the results of the paper.
         let plex = self.cubes(comm)?;
         plex.label_boundary(BOUNDARY)?;
-        let part = Part::new(&plex, Shape::Hexahedron, order, |vertex| self.place(vertex))?;
+        let part = RankPart::new(&plex, Shape::Hexahedron, order, |vertex| self.place(vertex))?;
         let (cells, facets, _) = part.elements(&[])?;
         Ok(BoxPart { cells, facets, owned_nodes: part.numbering.owned })
     }

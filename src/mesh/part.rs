@@ -25,7 +25,7 @@ pub(super) struct Mark {
 }
 
 /// This rank's part of a mesh during the conversion to arrays.
-pub(super) struct Part<'a> {
+pub(super) struct RankPart<'a> {
     plex: &'a Plex,
     /// Shape of all cells.
     pub shape: Shape,
@@ -42,7 +42,7 @@ pub(super) struct Part<'a> {
     faces: Vec<Vec<Int>>,
 }
 
-impl<'a> Part<'a> {
+impl<'a> RankPart<'a> {
     /// Mesh whose cells all have one shape; `place` returns the final position of a vertex. Collective.
     pub fn new(plex: &'a Plex, shape: Shape, order: usize, place: impl Fn(Vec3) -> Vec3) -> Result<Self> {
         // Points that carry a node of the element: vertices for P1 and Q1, also edges for P2, all points for Q2.
@@ -111,14 +111,14 @@ impl<'a> Part<'a> {
 
 /// A cell with the points of its boundary, identified by the vertices of the cell that they contain.
 struct Closure<'a> {
-    part: &'a Part<'a>,
+    part: &'a RankPart<'a>,
     x: Vec<Vec3>,
     /// Points with a bit mask: bit i is set if the point contains vertex i of the cell.
     points: Vec<(u8, Int)>,
 }
 
 impl<'a> Closure<'a> {
-    fn new(part: &'a Part, cell: Int) -> Result<Self> {
+    fn new(part: &'a RankPart, cell: Int) -> Result<Self> {
         let closure = part.plex.closure(cell)?;
         let vertex_range = part.plex.points(0)?;
         let mut vertices: Vec<Int> = closure.iter().copied().filter(|point| vertex_range.contains(point)).collect();
@@ -178,7 +178,7 @@ impl<'a> Closure<'a> {
     }
 }
 
-impl Part<'_> {
+impl RankPart<'_> {
     fn edge(&self, point: Int) -> Option<&[Int]> {
         let index = usize::try_from(point - self.first_edge).ok()?;
         self.edges.get(index).map(Vec::as_slice)

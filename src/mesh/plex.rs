@@ -15,7 +15,7 @@ use super::checks::check_untangled;
 use super::gmsh;
 use super::grid::Grid;
 use super::lattice::BoxPart;
-use super::part::{BOUNDARY, Mark, Part};
+use super::part::{BOUNDARY, Mark, RankPart};
 use super::{Elements, Mesh};
 
 /// DMPlex's label of the cells in physical groups, whose value is the number of the group.
@@ -52,7 +52,7 @@ impl Mesh {
                 }
                 plex.label_boundary(BOUNDARY)?;
                 let shape = if shape == CellType::Tetrahedron { Shape::Tetrahedron } else { Shape::Hexahedron };
-                let part = Part::new(&plex, shape, body.order, |vertex| vertex)?;
+                let part = RankPart::new(&plex, shape, body.order, |vertex| vertex)?;
                 let parts_of_cells = match &body.composition.parts {
                     Parts::Volumes(materials) => of_volumes(&plex, materials.keys(), &named_volumes)?,
                     _ => vec![0; plex.points(3)?.len()],

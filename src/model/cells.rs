@@ -7,8 +7,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::cell_error::{Judge, are_few, finer_size, is_unreliable};
+use super::context::ModelContext;
 use super::local_field_error::{local_field_errors, of_hit};
-use super::making::Making;
 use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_grid};
 use super::trials::{Trial, Trials};
@@ -105,17 +105,17 @@ impl Fitted {
 ///
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce) and [`build`].
-pub fn fit(making: &Making, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
-    refine(making, scene, theory, unrefined(making, scene, built)?)
+pub fn fit(context: &ModelContext, scene: &Scene, theory: Model, built: Operators) -> Result<Fitted> {
+    refine(context, scene, theory, unrefined(context, scene, built)?)
 }
 
 /// The cells on which `fit` reduces a body. Collective.
 ///
 /// # Errors
 /// Same as `fit`.
-pub fn cell_size(making: &Making, scene: &Scene, theory: Model, built: Operators) -> Result<CellSize> {
+pub fn cell_size(context: &ModelContext, scene: &Scene, theory: Model, built: Operators) -> Result<CellSize> {
     let Fitted { size, error, evaluator, reduced, .. } =
-        refined(making, scene, theory, unrefined(making, scene, built)?, of_other_bases(scene))?;
+        refined(context, scene, theory, unrefined(context, scene, built)?, of_other_bases(scene))?;
     let force = Some(&reduced.force.0);
     let error = error.map_or_else(Errors::default, |error| with_averaging(evaluator.as_ref(), force, error));
     let local_field = local_field_errors(scene, theory, evaluator.as_ref(), force);
@@ -126,23 +126,23 @@ pub fn cell_size(making: &Making, scene: &Scene, theory: Model, built: Operators
 ///
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce).
-pub fn unrefined(making: &Making, scene: &Scene, built: Operators) -> Result<Fitted> {
-    fitted(making, scene, built, (1.0, None))
+pub fn unrefined(context: &ModelContext, scene: &Scene, built: Operators) -> Result<Fitted> {
+    fitted(context, scene, built, (1.0, None))
 }
 
 /// Refines the cells of a spline body in modal coordinates until its discretisation error is small enough. Collective.
 ///
 /// # Errors
 /// Same as [`reduce`](super::reduce::reduce) and [`build`].
-pub fn refine(making: &Making, scene: &Scene, theory: Model, fine: Fitted) -> Result<Fitted> {
-    refined(making, scene, theory, fine, Errors::default())
+pub fn refine(context: &ModelContext, scene: &Scene, theory: Model, fine: Fitted) -> Result<Fitted> {
+    refined(context, scene, theory, fine, Errors::default())
 }
 
 /// Same as [`refine`], with the errors of other bodies on the same cells.
-fn refined(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, others: Errors) -> Result<Fitted> {
+fn refined(context: &ModelContext, scene: &Scene, theory: Model, mut fine: Fitted, others: Errors) -> Result<Fitted> {
     let Some(mut cells) = fine.cells.filter(|_| scene.time.modal) else { return Ok(fine) };
-    let watch = making.watch;
-    let mut judge = match judge_of(making, scene, theory, &fine) {
+    let watch = context.watch;
+    let mut judge = match judge_of(context, scene, theory, &fine) {
         Ok(judge) => judge,
         // On other cells the body may be too soft or too stiff for the contact law. The present cells are then compared
         // with finer ones.
@@ -162,7 +162,7 @@ fn refined(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, othe
             finer = rung_below(over.recip().powf(1.0 / LARGEST_ORDER)).clamp(RUNG * RUNG, RUNG);
             let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
             if over <= 1.0
-                || making.keeps_cells
+                || context.keeps_cells
                 || finer * fine.size < SMALLEST_CELL_FACTOR
                 || cost > LARGEST_REFINED_COST
             {
@@ -175,7 +175,7 @@ fn refined(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, othe
             size *= FINER_CELL_FACTORS[1];
         }
         let built = loop {
-            let built = match build(making, scene, theory, size) {
+            let built = match build(context, scene, theory, size) {
                 Ok(Built::Operators(built)) => built,
                 // The spline body would have too many unknowns. The remaining error is reported with the results.
                 Ok(Built::Given(_)) | Err(Error::Fault(_)) => return Ok(fine),
@@ -191,10 +191,10 @@ fn refined(making: &Making, scene: &Scene, theory: Model, mut fine: Fitted, othe
         let coarser = Judge { force, vectors, cells };
         cells = built.cells.unwrap_or(cells);
         let vectors = fine.reduced.counts();
-        fine = fitted(making, scene, built, (size, Some(vectors)))?;
+        fine = fitted(context, scene, built, (size, Some(vectors)))?;
         let is_few = is_unreliable(scene, theory, coarser.cells, cells) || has_parts(scene);
         judge = match finer_size_if(is_few, scene, theory, &fine, watch) {
-            Some(size) => match on_cells_of(making, scene, theory, &fine, size) {
+            Some(size) => match on_cells_of(context, scene, theory, &fine, size) {
                 Ok(judge) => judge.or(Some(coarser)),
                 Err(Error::Solve(_)) => Some(coarser),
                 Err(error) => return Err(error),
@@ -230,17 +230,17 @@ pub(super) fn with_averaging(evaluator: Option<&Evaluator>, force: Option<&Trace
 /// Reduces a body to a basis. `size` is the size of its cells; `vectors` are numbers of vectors that were enough on
 /// other cells.
 pub(super) fn fitted(
-    making: &Making,
+    context: &ModelContext,
     scene: &Scene,
     built: Operators,
     (size, vectors): (f64, Option<[usize; 2]>),
 ) -> Result<Fitted> {
     let Operators { body, discretisation, evaluator, cells, measures } = built;
     let linear = body.linear();
-    let (reduced, unknowns) = (reduce_from(making, linear, scene, vectors)?, linear.unknowns());
+    let (reduced, unknowns) = (reduce_from(context, linear, scene, vectors)?, linear.unknowns());
     let fitted = Fitted { reduced, unknowns, cells, discretisation, size, error: None, evaluator, measures };
     drop(body);
-    making.comm.collect_garbage()?;
+    context.comm.collect_garbage()?;
     Ok(fitted)
 }
 
@@ -252,14 +252,14 @@ fn has_parts(scene: &Scene) -> bool {
 
 /// The force on coarser cells, or on finer ones if a comparison with coarser cells would be unreliable; `None` if there
 /// are no other cells.
-fn judge_of(making: &Making, scene: &Scene, theory: Model, fitted: &Fitted) -> Result<Option<Judge>> {
+fn judge_of(context: &ModelContext, scene: &Scene, theory: Model, fitted: &Fitted) -> Result<Option<Judge>> {
     let coarser = cells_of_grid(scene, theory, COARSER_CELL_FACTOR * fitted.size);
     let is_few = fitted.cells.zip(coarser).is_some_and(|(cells, coarser)| match theory {
         Model::Solid => is_unreliable(scene, theory, coarser, cells) || has_parts(scene),
         _ => are_few(cells, coarser) || has_parts(scene),
     });
-    let finer = finer_size_if(is_few, scene, theory, fitted, making.watch);
-    on_cells_of(making, scene, theory, fitted, finer.unwrap_or(COARSER_CELL_FACTOR * fitted.size))
+    let finer = finer_size_if(is_few, scene, theory, fitted, context.watch);
+    on_cells_of(context, scene, theory, fitted, finer.unwrap_or(COARSER_CELL_FACTOR * fitted.size))
 }
 
 /// Size of finer cells for a comparison, if there are few cells. The same on all ranks. Collective.
@@ -270,20 +270,26 @@ fn finer_size_if(is_few: bool, scene: &Scene, theory: Model, fitted: &Fitted, wa
 }
 
 /// The force on cells of another size; `None` if they are the same cells.
-fn on_cells_of(making: &Making, scene: &Scene, theory: Model, fine: &Fitted, size: f64) -> Result<Option<Judge>> {
-    let Built::Operators(built) = build(making, scene, theory, size)? else { return Ok(None) };
+fn on_cells_of(
+    context: &ModelContext,
+    scene: &Scene,
+    theory: Model,
+    fine: &Fitted,
+    size: f64,
+) -> Result<Option<Judge>> {
+    let Built::Operators(built) = build(context, scene, theory, size)? else { return Ok(None) };
     if built.body.linear().unknowns() == fine.unknowns {
         return Ok(None);
     }
     let Operators { body, cells, .. } = built;
-    making.watch.at(Stage::Factor)?;
+    context.watch.at(Stage::Factor)?;
     let linear = body.linear();
-    let mut krylov = DirectSum::new(linear, Plan::new(making, linear, scene).start)?;
+    let mut krylov = DirectSum::new(linear, Plan::new(context, linear, scene).start)?;
     let vectors = fine.compared();
-    grow(&mut krylov, linear, vectors, None, making.watch)?;
+    grow(&mut krylov, linear, vectors, None, context.watch)?;
     let (_, steps) = fine.reduced.force;
-    let Trial { force, .. } = Trials::new(making, scene).force_in(steps, &krylov.projection(linear)?)?;
+    let Trial { force, .. } = Trials::new(context, scene).force_in(steps, &krylov.projection(linear)?)?;
     drop((krylov, body));
-    making.comm.collect_garbage()?;
+    context.comm.collect_garbage()?;
     Ok(cells.map(|cells| Judge { force, vectors, cells }))
 }

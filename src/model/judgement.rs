@@ -5,9 +5,9 @@ use crate::error::Result;
 use crate::impact::{ErrorRule, Errors};
 use crate::scene::{Reduction, Scene};
 
+use super::context::ModelContext;
 use super::error_factors::ErrorFactors;
 use super::long_waves::ORDER;
-use super::making::Making;
 use super::reduce::BASIS_SHARE;
 use super::trials::{Trial, Trials};
 use super::watch::Judged;
@@ -50,7 +50,7 @@ const HISTORY_BASIS_FRACTION: f64 = 0.875;
 
 /// Settings of the error estimate of a basis.
 pub(super) struct Rule<'a> {
-    pub(super) making: &'a Making<'a>,
+    pub(super) context: &'a ModelContext<'a>,
     pub(super) scene: &'a Scene,
     pub(super) start: Start,
     /// Number of unknowns of the body.
@@ -96,7 +96,7 @@ impl Rule<'_> {
             return Ok(judgement);
         }
         trials.shorten_steps(projection, trial)?;
-        if !self.making.watch.decided(judge.steps != trial.steps) {
+        if !self.context.watch.decided(judge.steps != trial.steps) {
             return Ok(judgement);
         }
         *judge = trials.force_on(judge.modal.take(), trial.steps, &projection.leading(self.smaller))?;
@@ -105,11 +105,11 @@ impl Rule<'_> {
 
     /// Estimates the error from the difference of the two forces. Collective.
     fn judge(&self, difference: Errors) -> Judgement {
-        let Self { making, scene, start, vectors, smaller, factors, .. } = *self;
+        let Self { context, scene, start, vectors, smaller, factors, .. } = *self;
         let share = if start.leaves_short_waves { BASIS_SHARE_OF_LONG_WAVES } else { BASIS_SHARE };
         let wanted = share * scene.tolerance;
         let is_given = matches!(scene.body.reduction, Reduction::Vectors(_));
-        let is_small_enough = || making.watch.decided(factors.smaller * difference.of(scene.measure) <= wanted);
+        let is_small_enough = || context.watch.decided(factors.smaller * difference.of(scene.measure) <= wanted);
         let (of_difference, takes_smaller) = match factors.larger {
             _ if start.leaves_short_waves => (self.of_larger(smaller), false),
             Some(larger) if !is_given && !is_small_enough() => (larger, false),
@@ -119,12 +119,12 @@ impl Rule<'_> {
         let error = rule.errors(difference);
         let mut over = error.of(scene.measure) / wanted;
         // If the histories have different contacts, a larger basis may not lower the error of the deflection.
-        let is_limited = making.limits_deflection_error && error.history <= OTHER_CONTACTS;
+        let is_limited = context.limits_deflection_error && error.history <= OTHER_CONTACTS;
         if is_limited && cost(self.unknowns, vectors) <= LARGEST_COST_FOR_DEFLECTIONS {
             // The maximum ignores NaN: the deflection then has no estimate.
             over = over.max(error.deflection / (BASIS_SHARE * LARGE_ERROR_OF_DEFLECTION));
         }
-        let over = making.watch.agreed(over);
+        let over = context.watch.agreed(over);
         let judged = Judged { vectors: if takes_smaller { smaller } else { vectors }, error: over * wanted, wanted };
         tracing::debug!(vectors, smaller, error = judged.error, wanted, "bases compared");
         Judgement { difference, rule, error, is_met: over <= 1.0, takes_smaller, judged }
@@ -158,8 +158,8 @@ impl Rule<'_> {
         trial: &Trial,
         trials: &Trials,
     ) -> Result<Errors> {
-        let Self { making, start, vectors, smaller, .. } = *self;
-        let has_other_contacts = || making.watch.decided(error.history > OTHER_CONTACTS * self.of_larger(smaller));
+        let Self { context, start, vectors, smaller, .. } = *self;
+        let has_other_contacts = || context.watch.decided(error.history > OTHER_CONTACTS * self.of_larger(smaller));
         if start.leaves_short_waves && has_other_contacts() {
             let near = projection.leading((HISTORY_BASIS_FRACTION * vectors as f64) as usize);
             let force = trials.force_in(trial.steps, &near)?.force;

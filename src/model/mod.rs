@@ -2,13 +2,13 @@
 
 mod cell_error;
 mod cells;
+mod context;
 mod error_factors;
 mod judgement;
 mod led;
 mod linearity;
 mod local_field_error;
 mod long_waves;
-mod making;
 mod plate_error;
 mod readings;
 mod reduce;
@@ -19,12 +19,12 @@ mod theory;
 mod trials;
 pub mod watch;
 
+pub use context::ModelContext;
 pub use error_factors::ErrorFactors;
 pub use judgement::{LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, OTHER_CONTACTS};
 use judgement::{LARGEST_COST_FOR_DEFLECTIONS, cost};
 pub use linearity::{Edges, Linearity, STIFFENING, edges, largest_linear};
 use local_field_error::local_field_errors;
-pub use making::Making;
 pub use plate_error::plate_error_over_difference;
 pub use readings::Gauges;
 pub use reduce::{BASIS_SHARE, Reduced, may_lack_rotations, rate, reduce, shift};
@@ -137,25 +137,25 @@ impl Model {
     /// A fault if the theory does not admit the scene; the errors of meshes; [`crate::Error::Solve`] if the impact
     /// cannot be solved on any basis; or if a PETSc call fails.
     pub fn new(comm: &Comm, scene: &Scene) -> Result<Self> {
-        Self::made(&Making::new(comm, &Unwatched(comm)), scene)
+        Self::made(&ModelContext::new(comm, &Unwatched(comm)), scene)
     }
 
     /// [`Model::new`], made in a given way. Collective.
     ///
     /// # Errors
     /// Same as [`Model::new`]; [`crate::Error::Interrupted`] if the watch stops it.
-    pub fn made(making: &Making, scene: &Scene) -> Result<Self> {
-        let made = |making: &Making| match scene.body.model {
-            scene::Model::Auto => select_theory::select_theory(making, scene),
-            theory => Self::of(making, scene, theory),
+    pub fn made(context: &ModelContext, scene: &Scene) -> Result<Self> {
+        let made = |context: &ModelContext| match scene.body.model {
+            scene::Model::Auto => select_theory::select_theory(context, scene),
+            theory => Self::of(context, scene, theory),
         };
-        let with_low_shift = Making { limits_deflection_error: true, ..*making };
+        let with_low_shift = ModelContext { limits_deflection_error: true, ..*context };
         let is_auto = scene.body.reduction == scene::Reduction::Auto;
         let lacks_rotations = is_auto && may_lack_rotations(scene);
-        let mut model = made(if lacks_rotations { &with_low_shift } else { making })?;
+        let mut model = made(if lacks_rotations { &with_low_shift } else { context })?;
         // Theories and cells are compared on bases with the same shift, so that the whole model is made again.
         let is_poor = model.may_lower_shift && model.error_of_deflection_by_basis() > LARGE_ERROR_OF_DEFLECTION;
-        if making.watch.decided(is_poor) {
+        if context.watch.decided(is_poor) {
             model = match made(&with_low_shift) {
                 Err(Error::Solve(_) | Error::Fault(_)) => model,
                 second => second?,
@@ -175,9 +175,9 @@ impl Model {
     }
 
     /// Makes the model of one theory. Collective.
-    fn of(making: &Making, scene: &Scene, theory: scene::Model) -> Result<Self> {
-        let comm = making.comm;
-        match build(making, scene, theory, 1.0)? {
+    fn of(context: &ModelContext, scene: &Scene, theory: scene::Model) -> Result<Self> {
+        let comm = context.comm;
+        match build(context, scene, theory, 1.0)? {
             Built::Given(body) => {
                 Ok(Self::bare(comm, (scene, theory), Dynamics::Modal(body), 0, "a formula".to_owned()))
             }
@@ -192,14 +192,14 @@ impl Model {
                     ..Self::bare(comm, (scene, theory), Dynamics::Stepped(body), unknowns, discretisation)
                 })
             }
-            Built::Operators(built) => Self::on_basis(making, scene, theory, fit(making, scene, theory, built)?),
+            Built::Operators(built) => Self::on_basis(context, scene, theory, fit(context, scene, theory, built)?),
         }
     }
 
     /// The model of a reduced body. Collective.
-    fn on_basis(making: &Making, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
-        let comm = making.comm;
-        let may_lower_shift = !making.limits_deflection_error && may_lower_shift(scene, theory, &fitted);
+    fn on_basis(context: &ModelContext, scene: &Scene, theory: scene::Model, fitted: Fitted) -> Result<Self> {
+        let comm = context.comm;
+        let may_lower_shift = !context.limits_deflection_error && may_lower_shift(scene, theory, &fitted);
         let Fitted { reduced, unknowns, discretisation, evaluator, measures, error: cells, size, .. } = fitted;
         let Reduced { projection, judge, rule, krylov, error, modal, modal_of_judge, known, force, .. } = reduced;
         let (vectors, is_untouched) = (projection.vectors(), !force.0.has_contact());

@@ -8,10 +8,10 @@ use crate::error::{Error, Result};
 use crate::impact::{ErrorRule, Errors, KnownForce, Steps, Trace};
 use crate::scene::{Impactor, Measure, Reduction, Scene};
 
+use super::context::ModelContext;
 use super::error_factors::ErrorFactors;
 use super::judgement::Rule;
 use super::long_waves::{LongWaves, ORDER};
-use super::making::Making;
 use super::trials::{Trial, Trials};
 use super::watch::{Judged, Stage, Watch};
 
@@ -131,8 +131,8 @@ impl Reduced {
 ///
 /// # Errors
 /// [`crate::Error::Solve`] if the impact cannot be solved on any basis; or if a PETSc call fails.
-pub fn reduce(making: &Making, body: &dyn LinearBody, scene: &Scene) -> Result<Reduced> {
-    reduce_from(making, body, scene, None)
+pub fn reduce(context: &ModelContext, body: &dyn LinearBody, scene: &Scene) -> Result<Reduced> {
+    reduce_from(context, body, scene, None)
 }
 
 /// [`reduce`] with an initial guess for an automatic basis: the numbers of vectors of the smaller and the larger basis
@@ -141,14 +141,14 @@ pub fn reduce(making: &Making, body: &dyn LinearBody, scene: &Scene) -> Result<R
 /// # Errors
 /// Same as [`reduce`].
 pub fn reduce_from(
-    making: &Making,
+    context: &ModelContext,
     body: &dyn LinearBody,
     scene: &Scene,
     served: Option<[usize; 2]>,
 ) -> Result<Reduced> {
-    let watch = making.watch;
+    let watch = context.watch;
     watch.at(Stage::Factor)?;
-    let Plan { start, vectors: first } = Plan::new(making, body, scene);
+    let Plan { start, vectors: first } = Plan::new(context, body, scene);
     let mut krylov = DirectSum::new(body, start)?;
     let given = match scene.body.reduction {
         Reduction::Vectors(vectors) => Some(vectors),
@@ -160,7 +160,7 @@ pub fn reduce_from(
     let second = served.map_or(larger(first), |[_, more]| more.max(larger(first)));
     let mut count = given.unwrap_or(first);
     let mut tried: Vec<Tried> = Vec::new();
-    let mut trials = Trials::new(making, scene);
+    let mut trials = Trials::new(context, scene);
     let relaxes = !body.chains().is_empty();
     let factors = ErrorFactors::of(body, start);
     let is_smaller_used = !(start.leaves_short_waves || relaxes);
@@ -232,7 +232,7 @@ pub fn reduce_from(
                     let plate = plate.as_ref();
                     let unknowns = body.unknowns();
                     let rule =
-                        Rule { making, scene, start, unknowns, vectors: count, smaller: *smaller, factors, plate };
+                        Rule { context, scene, start, unknowns, vectors: count, smaller: *smaller, factors, plate };
                     let judgement = match rule.judge_on(&projection, [judge, &mut trial], &mut trials, enough) {
                         Err(error @ (Error::Alone(_) | Error::Interrupted)) => return Err(error),
                         Err(error) if enough => return Err(error),
@@ -244,7 +244,7 @@ pub fn reduce_from(
                     if let Some(judgement) = judgement.filter(|judgement| enough || judgement.is_met) {
                         let mut error = rule.closer(judgement.error, &projection, &trial, &trials)?;
                         // Two bases that both lack the rotations of a free body agree and are wrong.
-                        if !making.limits_deflection_error && may_lack_rotations(scene) {
+                        if !context.limits_deflection_error && may_lack_rotations(scene) {
                             error.deflection = f64::NAN;
                         }
                         tracing::info!(
@@ -325,7 +325,7 @@ pub(super) struct Plan {
 impl Plan {
     /// The plan for a scene's body: by the rule of thumb; or by the number of modes that take part, if a plate's
     /// contact excites many.
-    pub(super) fn new(making: &Making, body: &dyn LinearBody, scene: &Scene) -> Self {
+    pub(super) fn new(context: &ModelContext, body: &dyn LinearBody, scene: &Scene) -> Self {
         // A basis must not depend on the end time of a run that may be continued.
         let end = if scene.time.modal { scene.time.end } else { f64::INFINITY };
         let in_blocks = scene.tolerance >= LEAST_TOLERANCE_OF_BLOCKS;
@@ -335,7 +335,7 @@ impl Plan {
                 rate: rate(scene),
                 end,
                 in_blocks: in_blocks && may_be_long,
-                ..Start::from(shift(scene, making.limits_deflection_error))
+                ..Start::from(shift(scene, context.limits_deflection_error))
             },
             vectors: FIRST_VECTORS,
         };

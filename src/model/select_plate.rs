@@ -14,8 +14,8 @@
 //! kept, with its estimate.
 
 use super::cells::{CELL_SHARE, COARSER_CELL_FACTOR, fitted};
+use super::context::ModelContext;
 use super::local_field_error::delay_error;
-use super::making::Making;
 use super::plate_error::plate_error_over_difference;
 use super::reduce::BASIS_SHARE;
 use super::select_theory::{LARGEST_ERROR_INSTEAD_OF_MESH, THEORY_SHARE, bedding_error};
@@ -73,25 +73,25 @@ fn rougher(scene: &Scene) -> Scene {
 }
 
 /// Change of the force on a basis if its modes have the exact frequencies of flexural waves. Collective.
-fn error_of_frequencies(making: &Making, elastic: &Scene, reduced: &Reduced) -> Result<Errors> {
+fn error_of_frequencies(context: &ModelContext, elastic: &Scene, reduced: &Reduced) -> Result<Errors> {
     let ratios = plate::frequency_ratios(elastic)?;
     let Reduced { projection, force: (force, steps), .. } = reduced;
     let retuned = ModalBody::retuned(projection, |frequency| ratios.at(frequency));
-    let found = Trials::new(making, elastic).force_on(Some(retuned), *steps, projection)?;
+    let found = Trials::new(context, elastic).force_on(Some(retuned), *steps, projection)?;
     Ok(found.force.difference(force))
 }
 
 /// The plate of a `theory`, Mindlin's or the layerwise one; `None` if the solid is needed. `passed` is extended by the
 /// reason. Collective.
 pub(super) fn select_plate(
-    making: &Making,
+    context: &ModelContext,
     scene: &Scene,
     theory: Theory,
     passed: &mut Vec<String>,
 ) -> Result<Option<Model>> {
     let elastic = elastic_scene(scene);
     let rough = rougher(&elastic);
-    let plate = |scene: &Scene, size: f64| match build(making, scene, theory, size)? {
+    let plate = |scene: &Scene, size: f64| match build(context, scene, theory, size)? {
         Built::Operators(operators) => Ok(operators),
         Built::Given(_) => Err(Error::Solve("a plate has unknowns".into())),
     };
@@ -100,16 +100,16 @@ pub(super) fn select_plate(
     // Cells and basis are not checked yet. Their part of the difference is small, and so is their effect on the
     // estimate.
     let thick = if relaxes {
-        Thick::Coarser(Box::new(reduce(making, plate(&elastic, COARSER_CELL_FACTOR)?.body.linear(), &rough)?))
+        Thick::Coarser(Box::new(reduce(context, plate(&elastic, COARSER_CELL_FACTOR)?.body.linear(), &rough)?))
     } else {
-        Thick::Whole(Box::new(unrefined(making, &elastic, plate(&elastic, 1.0)?)?))
+        Thick::Whole(Box::new(unrefined(context, &elastic, plate(&elastic, 1.0)?)?))
     };
     let force = &thick.reduced().force.0;
-    let thin = reduce(making, build_thin(making.comm, &rough)?.body.linear(), &rough)?;
+    let thin = reduce(context, build_thin(context.comm, &rough)?.body.linear(), &rough)?;
     let difference = force.difference(&thin.force.0);
     let of_bedding = bedding_error(scene, force);
     let of_waves = match theory {
-        Theory::Layerwise => error_of_frequencies(making, &elastic, thick.reduced())?,
+        Theory::Layerwise => error_of_frequencies(context, &elastic, thick.reduced())?,
         _ => Errors::default(),
     };
     let of_boundaries = plate_error_over_difference(&elastic) * difference;
@@ -130,7 +130,7 @@ pub(super) fn select_plate(
         beside(error, share)
     );
     let above = format!("{judged}, above {share:.1e}, the theory's share of the tolerance");
-    let [over, alone] = [error, alone].map(|error| making.watch.agreed(error / tolerance));
+    let [over, alone] = [error, alone].map(|error| context.watch.agreed(error / tolerance));
     // Cells and basis get what the theory and the time steps leave of the tolerance.
     let rest = rest(rest(1.0, TIME_STEP_SHARE), over) / joined(CELL_SHARE, BASIS_SHARE);
     let mut accepted = tolerance;
@@ -162,13 +162,13 @@ pub(super) fn select_plate(
         let on_first_cells = match thick {
             Thick::Whole(thick) if left.tolerance >= tolerance => *thick,
             // The basis of the elastic plate, for a rough tolerance, is a first guess of that of the viscoelastic one.
-            Thick::Coarser(reduced) => fitted(making, &left, plate(&left, 1.0)?, (1.0, Some(reduced.counts())))?,
-            Thick::Whole(_) => unrefined(making, &left, plate(&left, 1.0)?)?,
+            Thick::Coarser(reduced) => fitted(context, &left, plate(&left, 1.0)?, (1.0, Some(reduced.counts())))?,
+            Thick::Whole(_) => unrefined(context, &left, plate(&left, 1.0)?)?,
         };
-        let fitted = refine(making, &left, theory, on_first_cells)?;
-        Model::on_basis(making, scene, theory, fitted)?
+        let fitted = refine(context, &left, theory, on_first_cells)?;
+        Model::on_basis(context, scene, theory, fitted)?
     } else {
-        Model::of(making, &left, theory)?
+        Model::of(context, &left, theory)?
     };
     let model = Model { tolerance: accepted, ..model };
     Ok(Some(model.with_error(Cause::Theory, of_theory.joined(of_bedding))))

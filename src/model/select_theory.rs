@@ -7,10 +7,10 @@ use crate::contact::zener;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors, Trace};
 use crate::scene::{Contact, Geometry, Load, Measure, Model as Theory, Newton, Scene, Scheme, Support, faces};
-use crate::space::parts::{Part, parts};
+use crate::space::parts::{FacePart, parts};
 use crate::space::spline;
 
-use super::making::Making;
+use super::context::ModelContext;
 use super::select_plate::select_plate;
 use super::{Model, admits};
 
@@ -38,9 +38,9 @@ const BEDDING_STRESS_ERROR: f64 = 0.16;
 const ERROR_PER_LAMBDA: f64 = 1.13;
 
 /// Selects the theory and makes its model. Collective.
-pub(super) fn select_theory(making: &Making, scene: &Scene) -> Result<Model> {
+pub(super) fn select_theory(context: &ModelContext, scene: &Scene) -> Result<Model> {
     let mut passed: Vec<String> = Vec::new();
-    if let Some((model, reason)) = formula(making, scene)? {
+    if let Some((model, reason)) = formula(context, scene)? {
         return Ok(Model { reason: Some(reason), ..model });
     }
     let is_layered = scene.body.composition.uniform().is_none();
@@ -77,7 +77,7 @@ pub(super) fn select_theory(making: &Making, scene: &Scene) -> Result<Model> {
                 "its only material is viscoelastic, and the error of a plate theory is not estimated for that; body.model = \"layerwise\" computes it as a plate".to_owned(),
             );
         }
-        Ok(()) => match select_plate(making, scene, plate, &mut passed) {
+        Ok(()) => match select_plate(context, scene, plate, &mut passed) {
             Ok(Some(model)) => return Ok(Model { reason: Some(passed.join("; ")), ..model }),
             Ok(None) => {}
             // The solid may succeed where a plate fails.
@@ -85,7 +85,7 @@ pub(super) fn select_theory(making: &Making, scene: &Scene) -> Result<Model> {
             Err(error) => return Err(error),
         },
     }
-    let model = Model::of(making, scene, Theory::Solid)?;
+    let model = Model::of(context, scene, Theory::Solid)?;
     Ok(Model { reason: Some(passed.join("; ")), ..model })
 }
 
@@ -99,7 +99,7 @@ fn is_held_away(support: &Support) -> bool {
 /// Three effects of the body are missing in a half-space. They are waves (λ), the body's rigid motion (at most the
 /// ratio of the masses) and the different indentation of a layer of thickness h (about F/(E h)). The exact last term is
 /// 0.84 to 1.1 of that, and half of it appears in the force.
-fn formula(making: &Making, scene: &Scene) -> Result<Option<(Model, String)>> {
+fn formula(context: &ModelContext, scene: &Scene) -> Result<Option<(Model, String)>> {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return Ok(None) };
     let is_patch_given = matches!(scene.contact, Contact::Patch { radius: Some(_), .. });
     // A half-space has no face on which a tension could reach a strength, and no deflection but the indentation.
@@ -129,7 +129,7 @@ fn formula(making: &Making, scene: &Scene) -> Result<Option<(Model, String)>> {
     }
     // (A half-space has no deflection but the indentation.)
     let errors = Errors { deflection: f64::NAN, ..Errors::throughout(error) };
-    let model = Model::of(making, scene, Theory::HalfSpace)?;
+    let model = Model::of(context, scene, Theory::HalfSpace)?;
     let reason = format!(
         "estimated error of a half-space: {error:.1e}, the sum of Zener's λ = {lambda:.1e}, ratio of the masses {ratio:.1e}, dent of a layer {local:.1e}"
     );
@@ -189,8 +189,8 @@ pub(super) fn bedding_error(scene: &Scene, force: &Trace) -> Errors {
     let (Geometry::Box { size, .. }, Some(axis)) = (&scene.body.geometry, scene.struck_axis()) else { return errors };
     let layers = scene.body.composition.across(axis, size[axis]);
     let ply = layers.iter().map(|(thickness, _)| *thickness).fold(0.0, f64::max);
-    let of_part = |part: &Part| BEDDING_STRESS_ERROR * (ply / part.bedding_length).powi(2);
-    let on_faces: Vec<Part> = parts(scene).into_iter().filter(|part| part.across == axis).collect();
+    let of_part = |part: &FacePart| BEDDING_STRESS_ERROR * (ply / part.bedding_length).powi(2);
+    let on_faces: Vec<FacePart> = parts(scene).into_iter().filter(|part| part.across == axis).collect();
     // Parts of the same extent are on both faces, or on one face twice.
     let of_extent = |extent| on_faces.iter().filter(|part| part.extent == extent).map(of_part).sum();
     let of_stress = on_faces.iter().map(|part| of_extent(part.extent)).fold(0.0, f64::max);

@@ -12,8 +12,8 @@ use crate::space::evaluate::{Evaluator, PointEvaluator};
 use crate::space::plate::{self, Plate, PlateTheory};
 use crate::space::spline::{self, SplineSolid};
 
+use super::context::ModelContext;
 use super::long_waves::LongWaves;
-use super::making::Making;
 use super::reduce::MAX_VECTORS_PER_CLASS;
 use super::watch::Stage;
 
@@ -105,7 +105,12 @@ pub fn admits(scene: &Scene, theory: Model) -> std::result::Result<(), String> {
 ///
 /// # Errors
 /// A fault of `body.model` if the theory does not admit the scene; the errors of meshes; or if a PETSc call fails.
-pub fn build(&Making { comm, watch, .. }: &Making, scene: &Scene, theory: Model, size: f64) -> Result<Built> {
+pub fn build(
+    &ModelContext { comm, watch, .. }: &ModelContext,
+    scene: &Scene,
+    theory: Model,
+    size: f64,
+) -> Result<Built> {
     let spline_settings = spline::Settings::of(scene, size);
     let is_of_splines = matches!(theory, Model::Auto | Model::Solid) && is_of_splines(scene);
     let seconds = match theory {

@@ -10,7 +10,7 @@ use crate::impact::step::Step;
 use crate::impact::{KnownForce, ModalImpact, Reading, SteppedImpact, Steps, Trace, Until};
 use crate::scene::Scene;
 
-use super::making::Making;
+use super::context::ModelContext;
 use super::watch::Stage;
 
 /// Growth of the number of vectors after which time steps are chosen again. The modes of the larger basis may need
@@ -22,7 +22,7 @@ const SHORTER_BELOW: f64 = 0.75;
 
 /// Computes the force of an impact on several bases.
 pub(super) struct Trials<'a> {
-    making: &'a Making<'a>,
+    context: &'a ModelContext<'a>,
     scene: &'a Scene,
     chosen: Option<Chosen>,
 }
@@ -49,8 +49,8 @@ pub(super) struct Trial {
 
 impl<'a> Trials<'a> {
     /// Starts without chosen time steps.
-    pub fn new(making: &'a Making<'a>, scene: &'a Scene) -> Self {
-        Self { making, scene, chosen: None }
+    pub fn new(context: &'a ModelContext<'a>, scene: &'a Scene) -> Self {
+        Self { context, scene, chosen: None }
     }
 
     /// The force on a basis, in the time steps chosen before. Small bases choose their own steps. All their modes can
@@ -81,12 +81,12 @@ impl<'a> Trials<'a> {
     /// # Errors
     /// Same as [`Trials::force`].
     pub fn force_on(&self, modal: Option<ModalBody>, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
-        let trial = self.making.watch.shared(self.force_here(modal, steps, projection));
+        let trial = self.context.watch.shared(self.force_here(modal, steps, projection));
         // An interrupted rank has only a part of the force, so all ranks end here.
-        self.making.watch.at(Stage::Trial)?;
+        self.context.watch.at(Stage::Trial)?;
         let Trial { force, steps, known, modal } = trial?;
         // Further steps are chosen by this force, which must be the same on all ranks to the last digit.
-        let (force, steps, known) = of_root(self.making.comm, Some((force, steps, known)));
+        let (force, steps, known) = of_root(self.context.comm, Some((force, steps, known)));
         Ok(Trial { force, steps, modal, known })
     }
 
@@ -100,13 +100,13 @@ impl<'a> Trials<'a> {
         let (vectors, before) = (projection.vectors(), self.chosen);
         let is_due = |before: Chosen| vectors > VECTORS_BEFORE_NEW_STEPS * before.vectors;
         // Other ranks than the first may have no chosen steps.
-        if self.scene.time.step.is_some() || !self.making.watch.decided(before.is_some_and(is_due)) {
+        if self.scene.time.step.is_some() || !self.context.watch.decided(before.is_some_and(is_due)) {
             return Ok(());
         }
         let mut own = self.force_on(trial.modal.take(), None, projection)?;
         let largest = |steps: Option<Steps>| steps.map_or(f64::INFINITY, |steps| steps.largest);
         let before = before.map(|before| before.steps);
-        let is_shorter = self.making.watch.decided(largest(own.steps) < SHORTER_BELOW * largest(before));
+        let is_shorter = self.context.watch.decided(largest(own.steps) < SHORTER_BELOW * largest(before));
         let steps = if is_shorter { own.steps } else { before };
         self.chosen = steps.map(|steps| Chosen { steps, vectors });
         if is_shorter {
@@ -120,7 +120,7 @@ impl<'a> Trials<'a> {
     /// The force as computed by this rank. It uses the scene's own scheme, because schemes represent the body's
     /// vibrations differently. In modal coordinates it uses the given `steps` and returns the modal body too.
     fn force_here(&self, modal: Option<ModalBody>, steps: Option<Steps>, projection: &Projection) -> Result<Trial> {
-        let Self { making: Making { comm, watch, .. }, scene, .. } = *self;
+        let Self { context: ModelContext { comm, watch, .. }, scene, .. } = *self;
         let take = |_: &Step, _: &Reading| {};
         if scene.time.modal {
             let body = modal.unwrap_or_else(|| ModalBody::of(projection));

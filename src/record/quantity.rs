@@ -20,14 +20,14 @@ pub struct Quantity {
     /// Time of each row, s.
     pub time: Vec<f64>,
     /// Components; one for a scalar.
-    pub parts: Vec<Part>,
+    pub parts: Vec<Component>,
     /// Start and end of each contact episode, s.
     pub contacts: Vec<(f64, f64)>,
 }
 
 /// Component of a quantity.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct Component {
     /// Name of the component; empty for the only one.
     pub name: String,
     /// Value in each row.
@@ -104,11 +104,11 @@ pub fn quantity(path: &Path, name: &str) -> Result<Quantity> {
         let values = storage::values::<f64>(dataset);
         let values = values.map_err(|e| not_result(path, &format!("{} cannot be read ({e})", dataset.name())))?;
         match dataset.shape()[..] {
-            [_, columns] if columns > 0 => parts.extend((0..columns).map(|n| Part {
+            [_, columns] if columns > 0 => parts.extend((0..columns).map(|n| Component {
                 name: component(dataset_name, n),
                 values: values.iter().skip(n).step_by(columns).copied().collect(),
             })),
-            _ => parts.push(Part { name: name.clone(), values }),
+            _ => parts.push(Component { name: name.clone(), values }),
         }
     }
     let rows = parts.iter().map(|part| part.values.len()).fold(time.len(), usize::min);

@@ -4,7 +4,7 @@ use crate::record::episodes::Episode;
 
 use super::data::Data;
 use super::number::{FORCE, IMPULSE, TIME, Units, computed, digits, unit_for};
-use super::page::{Column, Part, Section, Table};
+use super::page::{Block, Column, Section, Table};
 
 /// Largest number of contacts that the table lists.
 const LISTED: usize = 40;
@@ -13,9 +13,9 @@ const LISTED: usize = 40;
 pub fn section(data: &Data) -> Section {
     let all = &data.contacts.episodes;
     let parts = if all.is_empty() {
-        vec![Part::Text("The impactor has not touched the body.".to_owned())]
+        vec![Block::Text("The impactor has not touched the body.".to_owned())]
     } else {
-        let mut parts = vec![Part::Table(table(all))];
+        let mut parts = vec![Block::Table(table(all))];
         let impulse = all.iter().map(|contact| contact.impulse).sum();
         let mut text = format!("The contacts transfer an impulse of {} in all.", computed(impulse, IMPULSE));
         if all.len() > LISTED {
@@ -24,7 +24,7 @@ pub fn section(data: &Data) -> Section {
         if data.contacts.is_open {
             text += " The last contact goes on at the end of the history.";
         }
-        parts.push(Part::Text(text));
+        parts.push(Block::Text(text));
         parts
     };
     Section { id: "contacts", title: "Contacts", parts }

@@ -6,7 +6,7 @@ use crate::record::quantity::Quantity;
 use super::data::Data;
 use super::figures::{Curves, TOTAL};
 use super::number::{ENERGY, SMALLEST_PERCENT, Unit, digits, percent, unit_for, with_unit};
-use super::page::{Column, Part, Section, Table};
+use super::page::{Block, Column, Section, Table};
 
 /// Energies whose maximum is below this fraction of the largest energy are not drawn.
 const SMALLEST_DRAWN_FRACTION: f64 = 1e-3;
@@ -51,10 +51,10 @@ pub fn section(data: &Data) -> Result<Section> {
     };
     let mut sections = Vec::new();
     if largest > 0.0 {
-        sections.push(Part::Figure(figure.draw()?));
+        sections.push(Block::Figure(figure.draw()?));
     }
-    sections.push(Part::Table(table(&named, unit_for(largest, ENERGY))));
-    sections.extend(balance(&data.energies).map(Part::Text));
+    sections.push(Block::Table(table(&named, unit_for(largest, ENERGY))));
+    sections.extend(balance(&data.energies).map(Block::Text));
     Ok(Section { id: "energy", title: "Energies", parts: sections })
 }
 

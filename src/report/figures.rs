@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::figure::Sheet;
-use crate::figure::history::{Curve, History, Role, Run, draw_inline};
+use crate::figure::history::{Curve, History, Role, RunCurves, draw_inline};
 
 use super::number::{Units, unit_for};
 use super::page::Figure;
@@ -64,7 +64,7 @@ impl Curves<'_> {
             title: String::new(),
             quantity: self.quantity.to_owned(),
             unit: unit.name.to_owned(),
-            runs: vec![Run {
+            runs: vec![RunCurves {
                 time: self.time.to_vec(),
                 curves: self.curves.into_iter().map(curve).chain(limits).collect(),
                 contacts: self.contacts,

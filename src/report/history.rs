@@ -5,7 +5,7 @@ use crate::error::Result;
 use super::data::Data;
 use super::figures::Curves;
 use super::number::{ACCELERATION, FORCE, LENGTH, MASS, computed, given};
-use super::page::{Part, Section};
+use super::page::{Block, Section};
 
 /// Makes the section.
 ///
@@ -36,6 +36,6 @@ pub fn section(data: &Data) -> Result<Section> {
         contacts: data.touches(),
         caption: "Displacement of the surface under the impactor, along the direction of impact.".to_owned(),
     };
-    let parts = vec![Part::Figure(force.draw()?), Part::Figure(deflection.draw()?)];
+    let parts = vec![Block::Figure(force.draw()?), Block::Figure(deflection.draw()?)];
     Ok(Section { id: "history", title: "History of the impact", parts })
 }

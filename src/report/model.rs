@@ -7,7 +7,7 @@ use crate::scene::{Model, Scene};
 
 use super::data::Data;
 use super::number::percent;
-use super::page::{Fact, Facts, Part, Section};
+use super::page::{Block, Fact, Facts, Section};
 
 /// Makes the section.
 pub fn section(data: &Data) -> Section {
@@ -35,14 +35,14 @@ pub fn section(data: &Data) -> Section {
         rows.push(Fact::new("Estimated error of the largest tension", stress_error(stresses).sentence()));
     }
     let mut parts = vec![
-        Part::Facts(Facts { caption: "Model".to_owned(), rows }),
-        Part::Text(
+        Block::Facts(Facts { caption: "Model".to_owned(), rows }),
+        Block::Text(
             "The estimate of the acceleration’s error combines the estimated errors of the cells, the basis, the selected theory, \
              the time steps and the contact patch, as far as each applies, divided by the peak. It does not include the error of a theory, \
              of a time step or of a mesh that the scene prescribes, nor that of its material data."
                 .to_owned(),
         ),
-        Part::Text(
+        Block::Text(
             "Assumptions: small deflections (the model is geometrically linear), linear materials, elastic or viscoelastic in shear, that do not fail, \
              an impactor that is rigid except for its contact, and a contact force by the law given above."
                 .to_owned(),
@@ -52,7 +52,7 @@ pub fn section(data: &Data) -> Section {
     let rows: Vec<Fact> =
         said.map(|(kind, text)| Fact::new(sentence(kind).trim_end_matches('.'), sentence(text))).collect();
     if !rows.is_empty() {
-        parts.push(Part::Facts(Facts { caption: "Warnings and notes of the run".to_owned(), rows }));
+        parts.push(Block::Facts(Facts { caption: "Warnings and notes of the run".to_owned(), rows }));
     }
     Section { id: "model", title: "Model", parts }
 }

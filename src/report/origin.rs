@@ -2,7 +2,7 @@
 
 use super::data::Data;
 use super::number::{TIME, computed, date};
-use super::page::{Fact, Facts, Part, Section};
+use super::page::{Block, Fact, Facts, Section};
 
 /// Makes the section.
 pub fn section(data: &Data) -> Section {
@@ -28,6 +28,6 @@ pub fn section(data: &Data) -> Section {
         rows.push(Fact::new("Solves", format!("{}, with {} Newton iterations", cost.solves, cost.newton_iterations)));
     }
     let again = format!("ricochet run {} -o again.h5 computes the same scene again.", data.file);
-    let parts = vec![Part::Facts(Facts { caption: "Origin of the result".to_owned(), rows }), Part::Text(again)];
+    let parts = vec![Block::Facts(Facts { caption: "Origin of the result".to_owned(), rows }), Block::Text(again)];
     Section { id: "origin", title: "Provenance", parts }
 }

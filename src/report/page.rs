@@ -92,12 +92,12 @@ pub struct Section {
     /// Heading of the section.
     pub title: &'static str,
     /// Content from top to bottom.
-    pub parts: Vec<Part>,
+    pub parts: Vec<Block>,
 }
 
 /// An element of a section.
 #[derive(Debug)]
-pub enum Part {
+pub enum Block {
     /// A paragraph.
     Text(String),
     /// A table of names and values.

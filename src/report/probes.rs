@@ -6,7 +6,7 @@ use crate::record::extremes::ProbeExtremes;
 use super::data::Data;
 use super::figures::Curves;
 use super::number::{LENGTH, STRESS, TIME, Units, digits, place, unit_for};
-use super::page::{Column, Part, Section, Table};
+use super::page::{Block, Column, Section, Table};
 
 /// Largest number of drawn probes; the probes with the largest values are drawn.
 const DRAWN: usize = 6;
@@ -19,9 +19,9 @@ pub fn section(data: &Data) -> Result<Section> {
     let probes = data.extremes.as_ref().map_or(&[][..], |extremes| &extremes.probes);
     let mut parts = Vec::new();
     if probes.is_empty() {
-        parts.push(Part::Text("The scene has no probes.".to_owned()));
+        parts.push(Block::Text("The scene has no probes.".to_owned()));
     } else {
-        parts.push(Part::Table(table(data, probes)));
+        parts.push(Block::Table(table(data, probes)));
         let length = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>().sqrt();
         let largest = |row: &[f64]| row.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         parts.push(figure(data, "principal_stress", ("largest principal stress", STRESS), largest, |of| {
@@ -73,7 +73,7 @@ fn figure(
     (quantity, units): (&str, Units),
     of_row: impl Fn(&[f64]) -> f64,
     size: fn(&ProbeExtremes) -> f64,
-) -> Result<Part> {
+) -> Result<Block> {
     let all = data.extremes.as_ref().map_or(&[][..], |extremes| &extremes.probes);
     let mut drawn: Vec<&ProbeExtremes> = all.iter().collect();
     drawn.sort_by(|one, other| size(other).total_cmp(&size(one)));
@@ -106,5 +106,5 @@ fn figure(
         contacts: data.touches(),
         caption: format!("{words} {of}{which}."),
     };
-    drawing.draw().map(Part::Figure)
+    drawing.draw().map(Block::Figure)
 }

@@ -4,7 +4,7 @@ use crate::material::{Material, Maxwell, Term, Wlf};
 use crate::scene::{Body, Parts};
 
 use super::number::{MODULUS, computed, digits, given, plain, with_unit};
-use super::page::{Column, Part, Table};
+use super::page::{Block, Column, Table};
 
 /// A generalised Maxwell chain, and the names of the parts of the body with this chain.
 struct Relaxing<'a> {
@@ -14,7 +14,7 @@ struct Relaxing<'a> {
 }
 
 /// Makes a table for each chain, with a text on the effect of temperature. An elastic body has no tables.
-pub fn tables(body: &Body) -> Vec<Part> {
+pub fn tables(body: &Body) -> Vec<Block> {
     let mut chains: Vec<Relaxing> = Vec::new();
     for (part, material) in materials(body) {
         let Some(shear) = &material.shear else { continue };
@@ -24,7 +24,7 @@ pub fn tables(body: &Body) -> Vec<Part> {
         }
     }
     let parts = chains.into_iter().flat_map(|chain| {
-        let shift = chain.shift.map(|shift| Part::Text(shifted(&shift, body.temperature)));
+        let shift = chain.shift.map(|shift| Block::Text(shifted(&shift, body.temperature)));
         std::iter::once(table(&chain, body.temperature)).chain(shift)
     });
     parts.collect()
@@ -60,13 +60,13 @@ fn materials(body: &Body) -> Vec<(String, &Material)> {
     }
 }
 
-fn table(chain: &Relaxing, temperature: Option<f64>) -> Part {
+fn table(chain: &Relaxing, temperature: Option<f64>) -> Block {
     let Relaxing { shear, parts, .. } = chain;
     let mut terms = shear.terms.clone();
     terms.sort_by(|a, b| a.time.total_cmp(&b.time));
     let row = |term: &Term| vec![digits(term.time, 4), digits(1e-6 * term.modulus, 4)];
     let when = temperature.map_or(String::new(), |temperature| format!(" at {} °C", plain(temperature)));
-    Part::Table(Table {
+    Block::Table(Table {
         caption: format!(
             "Shear modulus of {}{when}: G(t) = G∞ + Σ Gᵢ exp(−t/τᵢ), {} at t → 0 and G∞ = {} after all relaxation",
             parts.join(", "),

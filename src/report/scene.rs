@@ -12,7 +12,7 @@ use super::data::Data;
 use super::number::{
     FORCE, LENGTH, MASS, MODULUS, SPEED, TIME, by_component, computed, digits, given, percent, plain, vector, with_unit,
 };
-use super::page::{Column, Fact, Facts, Fold, Part, Section, Table};
+use super::page::{Block, Column, Fact, Facts, Fold, Section, Table};
 use super::relaxation;
 
 /// Makes the section.
@@ -27,17 +27,17 @@ pub fn section(data: &Data) -> Section {
             parts.push(loads(scene));
             parts.push(facts("Time", time(scene)));
         }
-        Err(reason) => parts.push(Part::Text(format!(
+        Err(reason) => parts.push(Block::Text(format!(
             "This version of ricochet cannot read the scene ({reason}), so it is given by its text alone."
         ))),
     }
     let text = data.provenance.scene.trim_end().to_owned();
-    parts.push(Part::Fold(Fold { title: "Full text of the scene (TOML, SI units)".to_owned(), text }));
+    parts.push(Block::Fold(Fold { title: "Full text of the scene (TOML, SI units)".to_owned(), text }));
     Section { id: "scene", title: "Scene", parts }
 }
 
-fn facts(caption: &str, rows: Vec<Fact>) -> Part {
-    Part::Facts(Facts { caption: caption.to_owned(), rows })
+fn facts(caption: &str, rows: Vec<Fact>) -> Block {
+    Block::Facts(Facts { caption: caption.to_owned(), rows })
 }
 
 /// Shape and size of a body in a few words.
@@ -94,9 +94,9 @@ fn constants(part: &str, material: &Material) -> [Fact; 3] {
     ]
 }
 
-fn supports(supports: &[Support]) -> Part {
+fn supports(supports: &[Support]) -> Block {
     if supports.is_empty() {
-        return Part::Text("Supports: none. The body is free.".to_owned());
+        return Block::Text("Supports: none. The body is free.".to_owned());
     }
     let is_damped = supports.iter().any(|support| support.damping != [0.0; 3]);
     let is_moved = supports.iter().any(|support| support.displacement != [0.0; 3]);
@@ -117,7 +117,7 @@ fn supports(supports: &[Support]) -> Part {
         row.extend(is_moved.then(|| some(support.displacement, vector(support.displacement, "m"))));
         row
     });
-    Part::Table(Table { caption: "Supports".to_owned(), columns, rows: rows.collect() })
+    Block::Table(Table { caption: "Supports".to_owned(), columns, rows: rows.collect() })
 }
 
 fn held(components: [bool; 3]) -> String {
@@ -195,7 +195,7 @@ fn law(law: &ForceLaw) -> String {
     }
 }
 
-fn loads(scene: &Scene) -> Part {
+fn loads(scene: &Scene) -> Block {
     let load = &scene.load;
     let mut rows = Vec::new();
     if load.body_force != [0.0; 3] {
@@ -208,7 +208,7 @@ fn loads(scene: &Scene) -> Part {
         rows.push(Fact::new(place(&traction.surface, traction.within), vector(traction.value, "N/m²")));
     }
     if rows.is_empty() {
-        return Part::Text("Loads: none but the impact.".to_owned());
+        return Block::Text("Loads: none but the impact.".to_owned());
     }
     facts("Loads beside the impact", rows)
 }

@@ -10,7 +10,7 @@ use super::faces::face_figure;
 use super::figures::Curves;
 use super::model::stress_error;
 use super::number::{STRESS, TIME, computed, digits, given, percent, place, unit_for};
-use super::page::{Column, Figure, Part, Section, Table};
+use super::page::{Block, Column, Figure, Section, Table};
 
 /// Largest number of drawn faces; the faces with the largest tension are drawn.
 const DRAWN: usize = 6;
@@ -23,17 +23,17 @@ pub fn section(data: &Data) -> Result<Section> {
     let mut parts = Vec::new();
     match &data.stresses {
         Some(stresses) if !stresses.faces.is_empty() => {
-            parts.push(Part::Table(table(data, stresses)));
-            parts.push(Part::Text(judgement(data, stresses)));
+            parts.push(Block::Table(table(data, stresses)));
+            parts.push(Block::Text(judgement(data, stresses)));
             parts.push(figure(data, stresses)?);
             parts.extend(maps(data, stresses)?);
         }
-        _ => parts.push(Part::Text(
+        _ => parts.push(Block::Text(
             "This result holds no stresses on the faces of the body. Probes, where the scene has any, read the stress at single points."
                 .to_owned(),
         )),
     }
-    parts.extend(data.stresses.as_ref().and_then(ring).map(Part::Text));
+    parts.extend(data.stresses.as_ref().and_then(ring).map(Block::Text));
     Ok(Section { id: "tension", title: "Largest tension", parts })
 }
 
@@ -42,7 +42,7 @@ const WIDE: Sheet = Sheet { width: 1600, height: 900 };
 const NARROW: Sheet = Sheet { width: 620, height: 640 };
 
 /// Draws the maps of the largest tension over time on the faces.
-fn maps(data: &Data, stresses: &Stresses) -> Result<Vec<Part>> {
+fn maps(data: &Data, stresses: &Stresses) -> Result<Vec<Block>> {
     let Some(maps) = &data.stress_maps else { return Ok(Vec::new()) };
     let is_drawn = drawn(stresses);
     let mut parts = Vec::new();
@@ -62,7 +62,7 @@ fn maps(data: &Data, stresses: &Stresses) -> Result<Vec<Part>> {
         );
         let [wide, narrow] =
             [WIDE, NARROW].map(|sheet| draw_inline(&figure, sheet, &format!("tension on {}", map.name)));
-        parts.push(Part::Figure(Figure { wide: wide?, narrow: narrow?, caption }));
+        parts.push(Block::Figure(Figure { wide: wide?, narrow: narrow?, caption }));
     }
     Ok(parts)
 }
@@ -178,7 +178,7 @@ fn drawn(stresses: &Stresses) -> Vec<&Face> {
     drawn
 }
 
-fn figure(data: &Data, stresses: &Stresses) -> Result<Part> {
+fn figure(data: &Data, stresses: &Stresses) -> Result<Block> {
     let drawn = drawn(stresses);
     let which = if drawn.len() < stresses.faces.len() { ", of the faces with the largest values" } else { "" };
     let curves = Curves {
@@ -190,7 +190,7 @@ fn figure(data: &Data, stresses: &Stresses) -> Result<Part> {
         contacts: data.touches(),
         caption: format!("Largest principal stress anywhere on a face{which}. Tension is positive."),
     };
-    curves.draw().map(Part::Figure)
+    curves.draw().map(Block::Figure)
 }
 
 /// Strengths of the faces to be drawn as limits: one line if all are equal, otherwise one line for each face.

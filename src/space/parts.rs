@@ -10,7 +10,7 @@ use crate::scene::{Geometry, Scene, Vec3, faces};
 
 use super::grading::divide;
 
-/// Largest cell at a part, over the shortest length that the stresses have there ([`Part::length`]).
+/// Largest cell at a part, over the shortest length that the stresses have there ([`FacePart::length`]).
 const CELL_OVER_LENGTH: f64 = 1.0 / 3.0;
 
 /// Growth of the cell size with the distance from a part.
@@ -25,7 +25,7 @@ const LEAST_DISTANCE: f64 = 0.05;
 
 /// A part of a face on which a support or a load acts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct FacePart {
     /// Axis normal to the face.
     pub across: usize,
     /// Extent on the face.
@@ -41,7 +41,7 @@ pub struct Part {
 }
 
 /// Parts of the faces of a scene's box on which supports and loads act, without whole faces. Empty for a mesh file.
-pub fn parts(scene: &Scene) -> Vec<Part> {
+pub fn parts(scene: &Scene) -> Vec<FacePart> {
     let (Geometry::Box { size, .. }, Some(struck)) = (&scene.body.geometry, scene.struck_axis()) else {
         return Vec::new();
     };
@@ -58,7 +58,7 @@ pub fn parts(scene: &Scene) -> Vec<Part> {
             let length = if across == struck { length } else { f64::INFINITY };
             let shortest = length.min(plies.shear_length).min(radius);
             let along = if let Extent::Box(corners) = place.extent { strip_axis(corners, across, size) } else { None };
-            Part { across, extent: place.extent, along, bedding_length: length, length: shortest }
+            FacePart { across, extent: place.extent, along, bedding_length: length, length: shortest }
         };
         region.iter().filter(is_part).map(of_place).collect::<Vec<_>>()
     };
@@ -192,8 +192,8 @@ pub struct Edges {
 
 /// Edges of parts along an axis between two ends (m). Across a plane of symmetry at 0, the part with positive coordinates is
 /// modelled. A part that covers the whole axis has no edges there.
-pub fn edges(parts: &[Part], axis: usize, is_halved: bool, [low, high]: [f64; 2]) -> Vec<Edges> {
-    let of_part = |part: &Part| {
+pub fn edges(parts: &[FacePart], axis: usize, is_halved: bool, [low, high]: [f64; 2]) -> Vec<Edges> {
+    let of_part = |part: &FacePart| {
         let (ends, times) = match part.extent {
             Extent::All => return None,
             Extent::Box([low, high]) => ([low[axis], high[axis]], 2),
@@ -255,7 +255,7 @@ mod tests {
     use super::*;
 
     /// Parts of a pane of 10 mm with supports.
-    fn of(supports: &str) -> Vec<Part> {
+    fn of(supports: &str) -> Vec<FacePart> {
         let text = format!(
             "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.5, 0.4, 0.01]\n\
              [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e10\nspeed = 1.0\n[time]\nend = 1e-3\n{supports}"

@@ -85,12 +85,12 @@ pub struct Row {
     /// Theoretical stability limit of the time step, s: infinite if always stable, 0 if never.
     pub limit: f64,
     /// Runs in ascending order of step.
-    pub runs: Vec<Run>,
+    pub runs: Vec<Trial>,
 }
 
 /// One run: a scheme at one time step.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
+pub struct Trial {
     /// Δt, s.
     pub step: f64,
     /// Measurements of the run.
@@ -113,7 +113,7 @@ impl Row {
 
     /// Smallest step at which a run gains energy, s.
     pub fn grows(&self) -> Option<f64> {
-        let fails = |run: &&Run| matches!(run.verdict, Verdict::Grows(_) | Verdict::Gains);
+        let fails = |run: &&Trial| matches!(run.verdict, Verdict::Grows(_) | Verdict::Gains);
         self.runs.iter().find(fails).map(|run| run.step)
     }
 }
@@ -183,7 +183,7 @@ pub fn stability(
         explicit_step = start.elapsed().as_secs_f64() / run.measured.steps.max(1) as f64;
         explicit = Some((run, own));
     }
-    let left_out = |step: f64| Run { step, measured: Measured::NOTHING, verdict: Verdict::LeftOut };
+    let left_out = |step: f64| Trial { step, measured: Measured::NOTHING, verdict: Verdict::LeftOut };
     let row = |(scheme, (demand, steps)): (Scheme, (&Demand, &Vec<f64>))| {
         let runs = steps.iter().map(|step| left_out(*step)).collect();
         Row { scheme, limit: demand.limit, runs }
@@ -259,8 +259,8 @@ impl Reference {
     /// Estimates the reference's error from the runs.
     fn estimate(&mut self, rows: &[Row]) {
         let row = rows.iter().find(|row| row.scheme == self.scheme);
-        let is_whole = |run: &Run| run.verdict.reason().is_none() && run.verdict != Verdict::LeftOut;
-        let twice = |run: &&Run| (run.step / self.step / 2.0 - 1.0).abs() < 1e-9 && is_whole(run);
+        let is_whole = |run: &Trial| run.verdict.reason().is_none() && run.verdict != Verdict::LeftOut;
+        let twice = |run: &&Trial| (run.step / self.step / 2.0 - 1.0).abs() < 1e-9 && is_whole(run);
         let run = row.and_then(|row| row.runs.iter().find(twice));
         self.error = run.map(|run| 0.5 * run.measured.first_error);
     }

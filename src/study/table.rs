@@ -117,7 +117,7 @@ fn reference_line(reference: &Reference) -> String {
 mod tests {
     use super::*;
     use crate::scene::Scheme;
-    use crate::study::stability::Run;
+    use crate::study::stability::Trial;
     use crate::study::{Measured, Verdict};
 
     /// With the longest names and numbers, columns stay separate and lines stay within 80 characters.
@@ -125,7 +125,7 @@ mod tests {
     fn the_gist_is_read_at_80_columns() {
         let measured = Measured::NOTHING;
         let reference = Reference { scheme: Scheme::Energy, step: 1.25e-6, measured, error: Some(3e-4) };
-        let run = |step, verdict| Run { step, measured, verdict };
+        let run = |step, verdict| Trial { step, measured, verdict };
         let row = |scheme, limit| Row {
             scheme,
             limit,

@@ -14,7 +14,7 @@ use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::impact::{ImpactParameters, Plan};
 use crate::mesh::{Measures, Mesh};
-use crate::model::{Dynamics, Making, Model};
+use crate::model::{Dynamics, Model, ModelContext};
 use crate::scene::{Geometry, Scene, Source};
 
 use super::follow::Follower;
@@ -136,7 +136,7 @@ fn model(
             return Ok(Err(format!("{size}, which takes more than a few seconds to look into: --full does it")));
         }
     }
-    match Model::made(&Making::new(comm, &follower), scene) {
+    match Model::made(&ModelContext::new(comm, &follower), scene) {
         Err(Error::Interrupted) if !interrupt.is_raised(comm) => {
             // A check takes some seconds before it gives up, so that a shorter estimate is of no use.
             let outlook = follower.outlook().filter(|seconds| *seconds >= LEAST_OUTLOOK);

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{Cause, Errors, Reading, Until};
 use crate::model::watch::{Stage, Watch as _};
-use crate::model::{self, Linearity, Making, Model, Simulation};
+use crate::model::{self, Linearity, Model, ModelContext, Simulation};
 use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, StrengthVerdict, strengths};
 use crate::scene::{self, Scene, Source, Vec3};
@@ -128,8 +128,8 @@ pub(super) fn trial(
     let follower = Follower::new(comm, interrupt.clone());
     let shared = given.map(|given| given.of(scene));
     let scene = shared.as_ref().unwrap_or(scene);
-    let making = Making { keeps_cells: given.is_some(), ..Making::new(comm, &follower) };
-    let mut model = Model::made(&making, scene).map_err(|error| error.in_scene(source))?;
+    let context = ModelContext { keeps_cells: given.is_some(), ..ModelContext::new(comm, &follower) };
+    let mut model = Model::made(&context, scene).map_err(|error| error.in_scene(source))?;
     let own = || Discretisation {
         theory: model.theory,
         cell_size: model.cell_size,

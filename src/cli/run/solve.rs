@@ -12,7 +12,7 @@ use crate::agree::{agree, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::impact::{Cause, Errors};
 use crate::model::watch::{Stage, Watch as _};
-use crate::model::{self, Linearity, Making, Model, Simulation};
+use crate::model::{self, Linearity, Model, ModelContext, Simulation};
 use crate::record::provenance::{Cost, Provenance};
 use crate::record::series::{Points, SeriesWriter};
 use crate::record::stress::{Faces, MapPoints, Ring, strengths};
@@ -80,8 +80,8 @@ pub(in crate::cli) fn solve(
     }
     let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
     let follower = Follower::new(comm, interrupt.clone());
-    let making = Making { keeps_cells: of_theory.is_some(), ..Making::new(comm, &follower) };
-    let mut model = Model::made(&making, scene)?;
+    let context = ModelContext { keeps_cells: of_theory.is_some(), ..ModelContext::new(comm, &follower) };
+    let mut model = Model::made(&context, scene)?;
     if let Some(of_theory) = of_theory {
         model.error = model.error.with(Cause::Theory, of_theory);
     }

@@ -49,7 +49,7 @@ const PLACES: [[Along; 3]; 5] = [
 fn integrals_are_those_by_quadrature() {
     let tensor = tensor();
     let n = tensor.unknowns();
-    let part = |field, derivatives| Part { field, derivatives };
+    let part = |field, derivatives| Derivative { field, derivatives };
     let squares: Vec<Square<3>> = PLACES
         .iter()
         .zip([
@@ -89,7 +89,7 @@ fn integrals_are_those_by_quadrature() {
 #[test]
 fn lines_are_sums_of_points() {
     let tensor = tensor();
-    let part = Part { field: 1, derivatives: [1, 0, 1] };
+    let part = Derivative { field: 1, derivatives: [1, 0, 1] };
     for axis in 0..3 {
         let (mut sums, point) = ([0, 1].map(|_| vec![0.0; tensor.unknowns()]), [0.2, 0.5, 0.03]);
         let line = [(0.05, 0.3), (0.07, -1.5), (0.09, 2.0)];
@@ -110,11 +110,11 @@ fn lines_are_sums_of_points() {
 #[test]
 fn patterns_are_nested() {
     let tensor = tensor();
-    let matrix = |parts: &[Part<3>], place| tensor.matrix(&[Square::of_sum(1.0, parts, place)]);
-    let fields = [0, 1].map(|field| Part { field, derivatives: [0; 3] });
+    let matrix = |parts: &[Derivative<3>], place| tensor.matrix(&[Square::of_sum(1.0, parts, place)]);
+    let fields = [0, 1].map(|field| Derivative { field, derivatives: [0; 3] });
     let all = DMatrix::from(&matrix(&fields, [Along::All; 3]));
     for place in PLACES {
-        let rough = [0, 1].map(|field| Part { field, derivatives: [1, 0, 1] });
+        let rough = [0, 1].map(|field| Derivative { field, derivatives: [1, 0, 1] });
         for (i, j, _) in matrix(&rough, place).triplet_iter() {
             assert!(all[(i, j)] != 0.0, "{place:?}: {i} {j}");
         }
@@ -133,7 +133,7 @@ fn numbers_and_ones() {
         .collect();
     assert_eq!(numbers, (0..tensor.unknowns()).collect::<Vec<_>>());
     let mut values = vec![0.0; tensor.unknowns()];
-    tensor.add_point(Part { field: 1, derivatives: [0; 3] }, [0.2, 0.7, 0.03], 3.0, &mut values);
+    tensor.add_point(Derivative { field: 1, derivatives: [0; 3] }, [0.2, 0.7, 0.03], 3.0, &mut values);
     let sum: f64 = values.iter().zip(tensor.one(1)).map(|(v, one)| v * one).sum();
     assert!((sum - 3.0).abs() < 1e-14);
 }

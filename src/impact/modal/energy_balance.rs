@@ -96,8 +96,8 @@ impl EnergyBalance {
         exchanged: Exchanged,
     ) -> Energy {
         let forms = &modes.forms;
-        let Moment { state, force, potential: contact, absent, .. } = moment;
-        let support = of_support - forms.support_load.dot(&x) + forms.support_offset - absent;
+        let Moment { state, force, potential: contact, internal, .. } = moment;
+        let support = of_support - forms.support_load.dot(&x) + forms.support_offset + internal;
         let elastic = bent - of_support + 0.5 * modes.residual * force * force + state.settled * forms.rest;
         let free = modes.free;
         let (impulse, t) = (state.impulse, state.time);

@@ -8,8 +8,8 @@
 
 mod controlled;
 mod energy_balance;
-mod foundations;
 mod hit;
+mod internal_force;
 mod motion;
 mod reading;
 mod recorder;

@@ -5,7 +5,7 @@ use crate::contact::Law;
 use crate::error::{Error, Result};
 use crate::solve::root::RootSearch;
 
-use super::foundations::{FoundationForces, FoundationState};
+use super::internal_force::{ForceInStep, InternalForceState};
 use super::stage::{ContactStep, Stage, solve_damped};
 use super::step_response::{FreeBody, SAMPLE_POINTS, State, StepResponse, SurfaceRate};
 
@@ -35,7 +35,7 @@ pub struct Taken {
     pub force: [f64; 3],
     /// Approach δ at the beginning of the step and at [`SAMPLE_POINTS`], m.
     pub approach: [f64; 5],
-    /// Numerical energy of the unilateral foundations in the step, J; computed only for bodies with dampers.
+    /// Numerical energy of the internal force in the step, J; computed only for bodies with dampers.
     pub made: f64,
 }
 
@@ -62,9 +62,9 @@ pub struct Motion<'a> {
     grazing: bool,
     /// Whether the body has been at rest so far.
     rests: bool,
-    /// Unilateral foundations, if there are any.
-    foundations: Option<FoundationState<'a>>,
-    /// Number of halvings from which on the foundation forces converge.
+    /// Force that the linear stiffness of the modes does not contain, if there is one.
+    internal: Option<InternalForceState<'a>>,
+    /// Number of halvings from which on the internal force converges.
     coarsest: usize,
     /// State reached: modal coordinates, rigid-body motion and impactor.
     pub state: State,
@@ -96,7 +96,7 @@ impl<'a> Motion<'a> {
             begun: false,
             grazing: false,
             rests: state.settled > 0.0 || is_unloaded,
-            foundations: FoundationState::new(modes, &state),
+            internal: InternalForceState::new(modes, &state),
             coarsest: 0,
             force: 0.0,
             approach: -impactor.gap - state.surface(modes),
@@ -122,9 +122,9 @@ impl<'a> Motion<'a> {
         &self.law
     }
 
-    /// Energy of springs that unilateral foundations do not have where the body has lifted off, J.
-    pub fn absent_energy(&self) -> f64 {
-        self.foundations.as_ref().map_or(0.0, FoundationState::energy)
+    /// Energy of the internal force, J.
+    pub fn internal_energy(&self) -> f64 {
+        self.internal.as_ref().map_or(0.0, |internal| internal.energy(&self.state))
     }
 
     /// Rate of the contact force, Ḟ, N/s.
@@ -183,15 +183,15 @@ impl<'a> Motion<'a> {
     fn step_in_flight(&mut self, left: f64) -> Result<Option<Taken>> {
         if let Some(half) = self.approach_of_rest(left) {
             let table = StepResponse::new(self.modes, &self.impactor, half);
-            let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
-            return Ok(Some(self.take(&table, [0.0; 3], free, pulled)));
+            let (free, in_step) = self.flight(&table).ok_or_else(not_followed)?;
+            return Ok(Some(self.take(&table, [0.0; 3], free, in_step)));
         }
         self.level = self.coarsest;
-        let (table, free, pulled) = loop {
+        let (table, free, in_step) = loop {
             let table = self.table(left);
             self.solves += 1;
-            if let Some((free, pulled)) = self.flight(&table) {
-                break (table, free, pulled);
+            if let Some((free, in_step)) = self.flight(&table) {
+                break (table, free, in_step);
             }
             self.put_back(table);
             self.level += 1;
@@ -201,7 +201,7 @@ impl<'a> Motion<'a> {
             }
         };
         let Some(sample) = free.iter().position(|approach| *approach > 0.0) else {
-            let taken = self.take(&table, [0.0; 3], free, pulled);
+            let taken = self.take(&table, [0.0; 3], free, in_step);
             self.put_back(table);
             return Ok(Some(taken));
         };
@@ -210,8 +210,8 @@ impl<'a> Motion<'a> {
             let until = SAMPLE_POINTS[0] * table.step;
             self.put_back(table);
             let table = StepResponse::new(self.modes, &self.impactor, until);
-            let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
-            return Ok(Some(self.take(&table, [0.0; 3], free, pulled)));
+            let (free, in_step) = self.flight(&table).ok_or_else(not_followed)?;
+            return Ok(Some(self.take(&table, [0.0; 3], free, in_step)));
         }
         (self.touching, self.begun, self.rests) = (true, true, false);
         self.force = self.law.damped(self.approach, self.rate()).force;
@@ -236,27 +236,27 @@ impl<'a> Motion<'a> {
             return Ok(None);
         }
         let table = StepResponse::new(self.modes, &self.impactor, touch);
-        let (free, pulled) = self.flight(&table).ok_or_else(not_followed)?;
-        let taken = self.take(&table, [0.0; 3], free, pulled);
+        let (free, in_step) = self.flight(&table).ok_or_else(not_followed)?;
+        let taken = self.take(&table, [0.0; 3], free, in_step);
         (self.approach, self.force) = (0.0, 0.0);
         Ok(Some(taken))
     }
 
-    /// Approach δ at [`SAMPLE_POINTS`] of a step without contact, m, with the foundation forces; `None` if these are not found.
-    fn flight(&self, table: &StepResponse) -> Option<([f64; 4], Option<FoundationForces>)> {
+    /// Approach δ at [`SAMPLE_POINTS`] of a step without contact, m, with the internal force; `None` if it is not found.
+    fn flight(&self, table: &StepResponse) -> Option<([f64; 4], Option<ForceInStep>)> {
         let free = table.free(&self.state, self.impactor.gap);
-        match &self.foundations {
+        match &self.internal {
             None => Some((free, None)),
-            Some(foundations) => {
-                let (free, pulled) = foundations.solve(table, &self.state, free, |free| Some((free, [0.0; 3])))?;
-                Some((free, Some(pulled)))
+            Some(internal) => {
+                let (free, in_step) = internal.solve(table, &self.state, free, |free| Some((free, [0.0; 3])))?;
+                Some((free, Some(in_step)))
             }
         }
     }
 
     /// Approach δ after a time (s) without contact, m.
     fn flown(&self, time: f64) -> f64 {
-        if self.foundations.is_none() || time <= 0.0 {
+        if self.internal.is_none() || time <= 0.0 {
             return self.state.flown(self.modes, &self.impactor, time);
         }
         let table = StepResponse::new(self.modes, &self.impactor, time);
@@ -276,7 +276,7 @@ impl<'a> Motion<'a> {
             let worst = self.steps.defect.unwrap_or(f64::INFINITY);
             let straight = self.straight.unwrap_or(f64::INFINITY);
             let stage = stage.filter(|(stage, _)| stage.defect <= worst && stage.bend() <= straight);
-            let Some((stage, pulled)) = stage else {
+            let Some((stage, in_step)) = stage else {
                 self.put_back(table);
                 self.level += 1;
                 if self.level > LEVELS {
@@ -309,7 +309,7 @@ impl<'a> Motion<'a> {
                 }
                 continue;
             }
-            let taken = self.take(&table, stage.force, stage.approach, pulled);
+            let taken = self.take(&table, stage.force, stage.approach, in_step);
             self.put_back(table);
             self.begun = false;
             // The defect is proportional to the cube of the step and the bend to its square: doubling the step multiplies
@@ -346,15 +346,15 @@ impl<'a> Motion<'a> {
             RootSearch { bracket: [low, high], guess, slope: -self.rate(), change: CONTACT_TIME_CHANGE * length };
         let step = search.root(below);
         let (table, stage) = solved(self, step);
-        let (Stage { force, approach, .. }, pulled) = stage?;
-        let taken = self.take(&table, force, approach, pulled);
+        let (Stage { force, approach, .. }, in_step) = stage?;
+        let taken = self.take(&table, force, approach, in_step);
         self.end_contact();
         Some(taken)
     }
 
     /// Solves for the forces over a step, from a guess of δ at its middle and its end (m). If `held`, the contact force
     /// at the end of the step is zero.
-    fn solve(&self, table: &StepResponse, guess: [f64; 2], held: bool) -> Option<(Stage, Option<FoundationForces>)> {
+    fn solve(&self, table: &StepResponse, guess: [f64; 2], held: bool) -> Option<(Stage, Option<ForceInStep>)> {
         let contact = |free: [f64; 4]| {
             if self.law.damping > 0.0 {
                 return solve_damped(&self.law, table, (self.approach, free), self.force, guess, held);
@@ -362,12 +362,12 @@ impl<'a> Motion<'a> {
             ContactStep { law: &self.law, response: table, free, first: self.force, guess, held }.solve()
         };
         let free = table.free(&self.state, self.impactor.gap);
-        match &self.foundations {
+        match &self.internal {
             None => Some((contact(free)?, None)),
-            Some(foundations) => {
+            Some(internal) => {
                 let with_force = |free: [f64; 4]| contact(free).map(|stage| (stage, stage.force));
-                let (stage, pulled) = foundations.solve(table, &self.state, free, with_force)?;
-                Some((stage, Some(pulled)))
+                let (stage, in_step) = internal.solve(table, &self.state, free, with_force)?;
+                Some((stage, Some(in_step)))
             }
         }
     }
@@ -389,12 +389,12 @@ impl<'a> Motion<'a> {
         table: &StepResponse,
         force: [f64; 3],
         approach: [f64; 4],
-        pulled: Option<FoundationForces>,
+        in_step: Option<ForceInStep>,
     ) -> Taken {
         table.advance(&mut self.state, self.modes, &self.impactor, force);
-        let made = pulled.as_ref().map_or(0.0, |pulled| pulled.made);
-        if let (Some(foundations), Some(pulled)) = (&mut self.foundations, pulled) {
-            foundations.advance(table, &mut self.state, pulled);
+        let made = in_step.as_ref().map_or(0.0, |in_step| in_step.made);
+        if let (Some(internal), Some(in_step)) = (&mut self.internal, in_step) {
+            internal.advance(table, &mut self.state, in_step);
         }
         let all = [self.approach, approach[0], approach[1], approach[2], approach[3]];
         (self.force, self.approach, self.last) = (force[2], approach[3], Some((force, table.step)));
@@ -407,7 +407,7 @@ impl<'a> Motion<'a> {
     }
 }
 
-/// Error for foundation forces that do not converge at any step size.
+/// Error for an internal force that does not converge at any step size.
 fn not_followed() -> Error {
     Error::Solve("the forces of the pads are not found at any step".into())
 }

@@ -45,9 +45,9 @@ pub struct Moment {
     pub rise: f64,
     /// Potential of the contact, J.
     pub potential: f64,
-    /// Energy of foundation springs where the body has lifted off, J: the modes contain it, the foundation does not
-    /// have it.
-    pub absent: f64,
+    /// Energy of the internal force, J. That of foundations is the negative energy of their springs where the body has
+    /// lifted off, which the modes contain.
+    pub internal: f64,
     /// Energies exchanged since t = 0, J, for the modelled part.
     exchanged: Exchanged,
 }
@@ -155,7 +155,7 @@ impl<'a> Recorder<'a> {
             energy: Energy::default(),
         };
         let potential = law.potential(motion.approach) - 0.5 * modes.residual * force * force;
-        Moment { step, state, force, rise, potential, absent: motion.absent_energy(), exchanged }
+        Moment { step, state, force, rise, potential, internal: motion.internal_energy(), exchanged }
     }
 
     /// Completes all steps recorded so far.

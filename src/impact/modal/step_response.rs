@@ -203,7 +203,7 @@ impl StepResponse {
                 for (response, weight) in sample.responses.iter_mut().zip(weights) {
                     *response += real_product(of_force, weight);
                 }
-                if modes.foundation.is_some() {
+                if modes.internal_force().is_some() {
                     sample.coordinates.push(Coordinate {
                         growth: phi[0] * y * sample.tau + 1.0,
                         load: mode.load * phi[0] * sample.tau * step,

@@ -80,7 +80,7 @@ pub struct Reduced {
     compliance: DMatrix<f64>,
     /// Inverse Ĝ⁻¹, used only for search directions.
     stiffness: DMatrix<f64>,
-    kept: Option<StoredCheckpoint>,
+    kept: Option<KeptFactor>,
     /// Forces φ, N: the solution of the last step, which is the first guess for the next.
     pub forces: DVector<f64>,
     /// Tangent D of each point, and F′ as the last entry, N/m.
@@ -88,7 +88,7 @@ pub struct Reduced {
 }
 
 /// A factor of Ĝ⁻¹ + D, with the D it was computed from.
-struct StoredCheckpoint {
+struct KeptFactor {
     factor: Cholesky<f64, Dyn>,
     tangents: Vec<f64>,
 }
@@ -195,7 +195,7 @@ impl Reduced {
             return b;
         };
         let x = factor.solve(&b);
-        self.kept = Some(StoredCheckpoint { factor, tangents: self.tangents.clone() });
+        self.kept = Some(KeptFactor { factor, tangents: self.tangents.clone() });
         x
     }
 }

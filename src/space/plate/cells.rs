@@ -12,7 +12,7 @@ use super::Settings;
 use super::geometry::PlateGeometry;
 use crate::space::grading::{Side, Sizes};
 use crate::space::grid::count_cells;
-use crate::space::parts::{self, Part};
+use crate::space::parts::{self, FacePart};
 use crate::stack::interlayers;
 
 /// Cell size divided by the distance from the impact point, between the smallest and the largest cells.
@@ -43,7 +43,7 @@ const MAX_CELLS: f64 = 100.0;
 pub(super) fn lines(
     geometry: &PlateGeometry,
     section: &Section,
-    (wave, parts): (f64, &[Part]),
+    (wave, parts): (f64, &[FacePart]),
     disc: Option<f64>,
     settings: &Settings,
 ) -> Result<[Vec<f64>; 2], f64> {

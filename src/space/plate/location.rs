@@ -3,7 +3,7 @@
 use super::{Disc, Points};
 use crate::form::Spread;
 use crate::form::plate::deflection;
-use crate::form::tensor::Part;
+use crate::form::tensor::Derivative;
 
 /// Localisation vector a of all symmetry classes: a point or the given area for Kirchhoff's theory, a disc or a wide
 /// area for the others, with moments in addition to the deflection.
@@ -26,7 +26,7 @@ pub(super) fn localization(points: &Points) -> Vec<f64> {
 }
 
 /// Contribution of a pressure on a disc, or an area, of a radius (m) for derivatives of fields with their factors.
-fn on_disc(points: &Points, (spread, radius): (&Spread, f64), parts: &[(f64, Part<2>)]) -> Vec<f64> {
+fn on_disc(points: &Points, (spread, radius): (&Spread, f64), parts: &[(f64, Derivative<2>)]) -> Vec<f64> {
     let geometry = &points.geometry;
     let mut a = vec![0.0; points.all_unknowns()];
     // For a quarter, only the quadrant of the disc in the modelled part is integrated and multiplied by the number of

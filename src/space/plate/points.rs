@@ -6,10 +6,10 @@
 use super::geometry::PlateGeometry;
 use super::layers::profile::is_rotation;
 use super::{Disc, Layers};
-use crate::description::Part as BodyPart;
+use crate::description::Part;
 use crate::form::plate::{AREA, Section, deflection};
 use crate::form::stress::place;
-use crate::form::tensor::{Linear, Part, Tensor};
+use crate::form::tensor::{Derivative, Linear, Tensor};
 use crate::form::{Material, Parity};
 use crate::scene::Vec3;
 use crate::space::evaluate::{
@@ -51,7 +51,7 @@ impl Points {
 
     /// Derivative of the displacement along an axis of the plane, as terms with factors: ζ times the rotation, or a sum
     /// over several rotations.
-    pub(super) fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> Vec<(f64, Part<2>)> {
+    pub(super) fn turned(&self, axis: usize, derivatives: [usize; 2], height: f64) -> Vec<(f64, Derivative<2>)> {
         let profile = &self.layers.profile;
         let of = |k: usize| {
             let (sign, part) = profile.rotation(k, axis, derivatives);
@@ -85,7 +85,7 @@ impl Points {
     /// A derivative of a field at a point of the plane, for each symmetry class: the first unknown of the class, the
     /// mirror image of the point in the modelled part, and the ratio (±1) of the value at the point to the value at the
     /// image.
-    fn in_classes(&self, part: Part<2>, point: [f64; 2]) -> impl Iterator<Item = (usize, [f64; 2], f64)> + '_ {
+    fn in_classes(&self, part: Derivative<2>, point: [f64; 2]) -> impl Iterator<Item = (usize, [f64; 2], f64)> + '_ {
         let is_beyond = [0, 1].map(|i| self.geometry.halved[i] && point[i] < 0.0);
         let image = [0, 1].map(|i| if is_beyond[i] { -point[i] } else { point[i] });
         // A rotation is a slope: it is odd if the deflection is even.
@@ -98,21 +98,21 @@ impl Points {
     }
 
     /// Calls `visit` with runs of consecutive entries of weight · (part of v at a point), each with its first unknown.
-    fn each_at(&self, part: Part<2>, point: [f64; 2], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
+    fn each_at(&self, part: Derivative<2>, point: [f64; 2], weight: f64, mut visit: impl FnMut(usize, &[f64])) {
         for (start, image, sign) in self.in_classes(part, point) {
             self.tensor.each_at(part, image, sign * weight, |first, values| visit(start + first, values));
         }
     }
 
     /// Adds weight · (part of v at a point) to a vector.
-    pub(super) fn add_point(&self, part: Part<2>, point: [f64; 2], weight: f64, sum: &mut [f64]) {
+    pub(super) fn add_point(&self, part: Derivative<2>, point: [f64; 2], weight: f64, sum: &mut [f64]) {
         self.each_at(part, point, weight, |first, values| {
             sum[first..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         });
     }
 
     /// Adds factor · Σ weight · (part of v) for coordinates and weights on a line along the second axis.
-    pub(super) fn add_line(&self, (part, factor): (Part<2>, f64), x: f64, line: &[(f64, f64)], sum: &mut [f64]) {
+    pub(super) fn add_line(&self, (part, factor): (Derivative<2>, f64), x: f64, line: &[(f64, f64)], sum: &mut [f64]) {
         let [below, above]: [Vec<(f64, f64)>; 2] =
             [true, false].map(|is_below| line.iter().copied().filter(|(y, _)| (*y < 0.0) == is_below).collect());
         for side in [below, above].into_iter().filter(|side| !side.is_empty()) {
@@ -127,7 +127,7 @@ impl Points {
     }
 
     /// Displacement at a point, where `read` evaluates a derivative of a field at a point of the plane.
-    fn displacement_by(&self, x: Vec3, read: impl Fn(Part<2>, [f64; 2], f64) -> Form) -> [Form; 3] {
+    fn displacement_by(&self, x: Vec3, read: impl Fn(Derivative<2>, [f64; 2], f64) -> Form) -> [Form; 3] {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (point, height) = self.seen(x);
         let mut displacement: [Form; 3] = Default::default();
@@ -140,7 +140,7 @@ impl Points {
     }
 
     /// A derivative of a field at a point in all symmetry classes, as a form.
-    fn form(&self, part: Part<2>, point: [f64; 2], factor: f64) -> Form {
+    fn form(&self, part: Derivative<2>, point: [f64; 2], factor: f64) -> Form {
         let mut form = Form::new();
         self.each_at(part, point, factor, |first, values| {
             form.extend(values.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(n, v)| (first + n, *v)));
@@ -150,7 +150,7 @@ impl Points {
 
     /// Passes a derivative of a field at a point, times a factor, to `add` for each of some components, times the
     /// factor of the component.
-    fn put(&self, x: Vec3, to: &[(usize, f64)], (factor, part): (f64, Part<2>), add: &mut Add) {
+    fn put(&self, x: Vec3, to: &[(usize, f64)], (factor, part): (f64, Derivative<2>), add: &mut Add) {
         let (point, _) = self.seen(x);
         self.each_at(part, point, factor, |first, values| {
             for (n, value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
@@ -200,7 +200,7 @@ impl GridField for Points {
         self.displacement_by(x, |part, point, factor| self.tensor.at_point(part, point, factor))
     }
 
-    fn body_force(&self, _: &[BodyPart]) -> Vec<f64> {
+    fn body_force(&self, _: &[Part]) -> Vec<f64> {
         let force = [0, 1, 2].map(|axis| self.layers.force(axis));
         let factor = self.geometry.across(force);
         self.tensor.vector(&[Linear { factor, part: deflection([0, 0]), place: AREA }])
@@ -229,13 +229,13 @@ impl PointEvaluator for Points {
     fn at(&self, x: Vec3) -> Forms {
         let PlateGeometry { axes, normal, sign, .. } = self.geometry;
         let (point, height) = self.seen(x);
-        let form = |(factor, part): (f64, Part<2>)| self.form(part, point, factor);
+        let form = |(factor, part): (f64, Derivative<2>)| self.form(part, point, factor);
         let mut stress: [Form; 6] = Default::default();
         let Law { plane, poisson, shear } = self.law(height);
         for (i, axis) in axes.into_iter().enumerate() {
             let mut along = [0, 0];
             along[i] = 1;
-            let sum = |parts: Vec<(f64, Part<2>)>| -> Form { parts.into_iter().flat_map(&form).collect() };
+            let sum = |parts: Vec<(f64, Derivative<2>)>| -> Form { parts.into_iter().flat_map(&form).collect() };
             let stretch = sum(self.turned(i, along, height));
             add(&mut stress[axis], plane, &stretch);
             add(&mut stress[axes[1 - i]], plane * poisson, &stretch);

@@ -1,10 +1,10 @@
 //! Displacement and stress at points of a box of splines.
 
-use crate::description::Part as BodyPart;
+use crate::description::Part;
 use crate::element::gauss_legendre;
 use crate::form::elastic::displacement;
 use crate::form::stress::place;
-use crate::form::tensor::{Linear, Part, Tensor};
+use crate::form::tensor::{Derivative, Linear, Tensor};
 use crate::form::{Projection, Spread};
 use crate::scene::Vec3;
 use crate::space::evaluate::{Add, Form, Forms, Hit, HitBody, PointEvaluator, add, divided, summed};
@@ -44,7 +44,7 @@ struct ProjectedVolume {
 
 impl ProjectedVolume {
     /// Pressure of a part; `None` if all of λ acts on the change of volume itself.
-    fn new(tensor: &Tensor<3>, part: &BodyPart) -> Option<Self> {
+    fn new(tensor: &Tensor<3>, part: &Part) -> Option<Self> {
         let lambda = projected(part);
         let of_axis = |axis: usize| Projection::new(&tensor.splines(0)[axis]);
         (lambda > 0.0).then(|| {
@@ -95,7 +95,7 @@ impl Points {
     pub(super) fn new(
         tensor: Tensor<3>,
         lines: [Vec<f64>; 3],
-        parts: &[BodyPart],
+        parts: &[Part],
         (geometry, patch): (&BoxGeometry, &PatchModel),
         time: f64,
     ) -> Self {
@@ -104,7 +104,7 @@ impl Points {
             _ => stack(parts, geometry, time),
         };
         let projected: Vec<_> = parts.iter().map(|part| ProjectedVolume::new(&tensor, part)).collect();
-        let law = |(part, projected): (&BodyPart, &Option<ProjectedVolume>)| {
+        let law = |(part, projected): (&Part, &Option<ProjectedVolume>)| {
             let mut rows = part.material.instantaneous.stress_of_gradient();
             let lambda = projected.as_ref().map_or(0.0, |projected| projected.lambda);
             (0..9).for_each(|k| rows[k / 3][4 * (k % 3)] -= lambda);
@@ -156,8 +156,8 @@ impl Points {
 }
 
 /// Layers of a box from the impacted face, with their secant moduli at a time, s.
-pub(super) fn stack(parts: &[BodyPart], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
-    let layer = |(part, ends): (&BodyPart, &[f64])| Layer::of(ends[1] - ends[0], &part.material.secant(time));
+pub(super) fn stack(parts: &[Part], geometry: &BoxGeometry, time: f64) -> Option<Stack> {
+    let layer = |(part, ends): (&Part, &[f64])| Layer::of(ends[1] - ends[0], &part.material.secant(time));
     let mut layers: Vec<Layer> = parts.iter().zip(geometry.interfaces.windows(2)).map(layer).collect();
     if geometry.hit[geometry.struck] > 0.0 {
         layers.reverse();
@@ -182,8 +182,8 @@ impl GridField for Points {
         [0, 1, 2].map(|axis| self.tensor.at_point(displacement(axis), x, 1.0))
     }
 
-    fn body_force(&self, parts: &[BodyPart]) -> Vec<f64> {
-        let of_part = |part: &BodyPart| {
+    fn body_force(&self, parts: &[Part]) -> Vec<f64> {
+        let of_part = |part: &Part| {
             let (force, place) = (part.force, place_of(part));
             (0..3).map(move |i| Linear { factor: force[i], part: displacement(i), place })
         };
@@ -198,7 +198,7 @@ impl PointEvaluator for Points {
         for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
             let mut derivatives = [0; 3];
             derivatives[j] = 1;
-            let slope = self.tensor.at_point(Part { field: i, derivatives }, x, 1.0);
+            let slope = self.tensor.at_point(Derivative { field: i, derivatives }, x, 1.0);
             stress.iter_mut().zip(self.law(x)).for_each(|(form, row)| add(form, row[3 * i + j], &slope));
         }
         let projected = self.projected_at(x);
@@ -234,7 +234,7 @@ impl PointEvaluator for Points {
         for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
             let mut derivatives = [0; 3];
             derivatives[j] = 1;
-            self.tensor.each_at(Part { field: i, derivatives }, x, 1.0, |first, values| {
+            self.tensor.each_at(Derivative { field: i, derivatives }, x, 1.0, |first, values| {
                 for (component, row) in self.law(x).iter().enumerate() {
                     let factor = row[3 * i + j];
                     if factor != 0.0 && across_face(component, self.struck) == 0 {
@@ -281,7 +281,7 @@ impl PointEvaluator for Points {
                 for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
                     let mut derivatives = [0; 3];
                     derivatives[j] = 1;
-                    self.tensor.each_at(Part { field: i, derivatives }, at, 1.0, |first, values| {
+                    self.tensor.each_at(Derivative { field: i, derivatives }, at, 1.0, |first, values| {
                         for (component, row) in self.law(at).iter().enumerate() {
                             let factor = row[3 * i + j]
                                 * match across_face(component, across) {

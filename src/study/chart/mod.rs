@@ -97,7 +97,7 @@ impl Errors {
 
 /// A completed run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
+pub struct TimedRun {
     /// Name of the method.
     pub method: String,
     /// Overrides `KEY=VALUE` of the run.
@@ -110,7 +110,7 @@ pub struct Run {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Runs {
     /// Completed runs.
-    pub done: Vec<Run>,
+    pub done: Vec<TimedRun>,
     /// Messages about the runs that were left out, and why.
     pub left_out: Vec<String>,
     /// Whether a signal interrupted the work.
@@ -147,7 +147,7 @@ pub fn runs(methods: &[Method], budget: f64, bench: &mut Bench, told: &mut dyn F
             Ok(timed) => {
                 spent += timed.spent;
                 all[next].push(timed.spent);
-                runs.done.push(Run { method: name.clone(), settings: settings.clone(), timed });
+                runs.done.push(TimedRun { method: name.clone(), settings: settings.clone(), timed });
             }
             Err(reason) => {
                 all[next].left -= 1;

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::study::history::{Difference, History};
 
-use super::{Bench, Ladder, Run, Timed};
+use super::{Bench, Ladder, Timed, TimedRun};
 
 /// Tolerances of the references of a solid in modal coordinates.
 const TOLERANCES: [f64; 6] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5];
@@ -48,7 +48,7 @@ impl Reference {
 /// The error of a reference, if fewer than two could be computed; or the same as `bench`.
 pub fn refine(
     ladder: &Ladder,
-    runs: &[Run],
+    runs: &[TimedRun],
     budget: f64,
     bench: &mut Bench,
     decide: &dyn Fn(bool) -> bool,
@@ -102,7 +102,7 @@ fn rungs(ladder: &Ladder) -> Vec<Vec<String>> {
 }
 
 /// Smallest errors of the runs relative to a reference.
-fn smallest(runs: &[Run], reference: &History) -> Difference {
+fn smallest(runs: &[TimedRun], reference: &History) -> Difference {
     let none = f64::INFINITY;
     let mut smallest = Difference { first: none, whole: none, tension: none };
     for run in runs {

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{self, Reading};
 use crate::model::watch::Until;
-use crate::model::{self, Making, Model, Simulation};
+use crate::model::{self, Model, ModelContext, Simulation};
 use crate::scene::Scene;
 use crate::space::evaluate::FaceTension;
 use crate::study::history::{History, Recorder};
@@ -89,7 +89,7 @@ pub fn time(
     loop {
         comm.mpi().barrier();
         let start = Instant::now();
-        let model = match Model::made(&Making::new(comm, &Until(comm, &**interrupted)), scene) {
+        let model = match Model::made(&ModelContext::new(comm, &Until(comm, &**interrupted)), scene) {
             Err(Error::Interrupted) => return Ok(None),
             model => model?,
         };

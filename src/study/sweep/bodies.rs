@@ -15,8 +15,8 @@ use crate::impact::step::Step;
 use crate::impact::{self, Cause, ErrorRule, Errors, ModalImpact, Reading, Readout, TimeIntegration as _, joined};
 use crate::model::watch::{Until, Watch};
 use crate::model::{
-    BASIS_SHARE, Dynamics, JudgeBasis, LARGE_ERROR_OF_DEFLECTION, Linearity, Making, Model, edges, largest_linear,
-    may_lack_rotations, thickness_compression,
+    BASIS_SHARE, Dynamics, JudgeBasis, LARGE_ERROR_OF_DEFLECTION, Linearity, Model, ModelContext, edges,
+    largest_linear, may_lack_rotations, thickness_compression,
 };
 use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
@@ -178,9 +178,9 @@ impl<'a> Bodies<'a> {
             let all = self.grouping.members_on(&body);
             let values: Vec<f64> = all.iter().map(|(value, _)| *value).collect();
             let family = |limits_deflection_error: bool| {
-                let making = Making { limits_deflection_error, ..Making::new(&self.comm, watch) };
+                let context = ModelContext { limits_deflection_error, ..ModelContext::new(&self.comm, watch) };
                 // If one body of the family fails, the other members may still be computed separately.
-                match Family::new(&making, &values, &|value| self.scene_on(&all, value)) {
+                match Family::new(&context, &values, &|value| self.scene_on(&all, value)) {
                     Err(Error::Solve(_) | Error::Fault(_)) => Ok(None),
                     family => family,
                 }
@@ -239,7 +239,7 @@ impl<'a> Bodies<'a> {
     }
 
     fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Kept> {
-        let model = Model::made(&Making::new(&self.comm, watch), &self.named(scene.clone()))?;
+        let model = Model::made(&ModelContext::new(&self.comm, watch), &self.named(scene.clone()))?;
         Kept::of(scene, model, self.error_of_theory(scene))
     }
 }

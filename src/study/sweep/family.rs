@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::impact::{Errors, ModalImpact, Readout};
 use crate::material::Maxwell;
 use crate::model::{
-    BASIS_SHARE, Built, CellSize, Gauges, LARGE_ERROR_OF_DEFLECTION, Making, Operators, build, cell_size,
+    BASIS_SHARE, Built, CellSize, Gauges, LARGE_ERROR_OF_DEFLECTION, ModelContext, Operators, build, cell_size,
     is_quickly_reduced_again, rate, reduce,
 };
 use crate::scene::Scene;
@@ -57,11 +57,15 @@ impl Family {
     ///
     /// # Errors
     /// Same as making a model.
-    pub fn new(making: &Making, values: &[f64], scene_of: &dyn Fn(f64) -> Result<Scene>) -> Result<Option<Self>> {
+    pub fn new(
+        context: &ModelContext,
+        values: &[f64],
+        scene_of: &dyn Fn(f64) -> Result<Scene>,
+    ) -> Result<Option<Self>> {
         let last = values.len() - 1;
         let operators = |place: usize, size: f64| {
             let scene = scene_of(values[place])?;
-            Ok::<_, crate::Error>(match build(making, &scene, scene.body.model, size)? {
+            Ok::<_, crate::Error>(match build(context, &scene, scene.body.model, size)? {
                 Built::Operators(built) => Some((built, scene)),
                 Built::Given(_) => None,
             })
@@ -70,7 +74,7 @@ impl Family {
         let (mut size, mut of_cells) = (1.0_f64, Errors::default());
         for place in [0, last] {
             let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
-            let CellSize { size: own, error, local_field, .. } = cell_size(making, &scene, scene.body.model, built)?;
+            let CellSize { size: own, error, local_field, .. } = cell_size(context, &scene, scene.body.model, built)?;
             size = size.min(own);
             of_cells = of_cells.max(error.joined(local_field));
         }
@@ -79,7 +83,7 @@ impl Family {
                 return Err(crate::Error::Solve("the theory has no supports".into()));
             };
             let body = built.body;
-            let mut reduced = reduce(making, body.linear(), &scene)?;
+            let mut reduced = reduce(context, body.linear(), &scene)?;
             // The larger of the two bases is there already, and its error is less than that of the smaller one.
             let own = reduced.larger().clone();
             let snapshots = snapshots(reduced.krylov.basis(), &own, rate(&scene));
@@ -148,7 +152,7 @@ impl Family {
         let vectors = basis.len();
         let readout = match operators(0, size)? {
             Some((Operators { evaluator, .. }, scene)) if scene.output.is_read() && !basis.is_empty() => {
-                Some(Gauges::new(making.comm, &scene, evaluator, unknowns, Some(basis))?.readout)
+                Some(Gauges::new(context.comm, &scene, evaluator, unknowns, Some(basis))?.readout)
             }
             _ => None,
         };

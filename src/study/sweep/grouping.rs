@@ -8,7 +8,7 @@ use petsc_wrap::Comm;
 use crate::error::{Error, Result};
 use crate::impact::{Cause, Errors};
 use crate::model::watch::Watch;
-use crate::model::{Making, Model, admits};
+use crate::model::{Model, ModelContext, admits};
 use crate::scene::{self, Scene, Support, SupportKind};
 
 use super::by_body::{BodyOf, ByBody};
@@ -156,7 +156,7 @@ impl Grouping {
         let (mut theories, mut failed) = (Vec::new(), None);
         for index in asked {
             let scene = scene_of(index)?;
-            let model = match Model::made(&Making::new(comm, watch), &scene) {
+            let model = match Model::made(&ModelContext::new(comm, watch), &scene) {
                 Err(error @ (Error::Solve(_) | Error::Fault(_))) => {
                     failed = Some(error);
                     continue;

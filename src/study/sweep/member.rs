@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::impact::step::Step;
 use crate::impact::{Probe, Reading, Until, joined};
 use crate::model::watch;
-use crate::model::{Linearity, Making, Model, Simulation};
+use crate::model::{Linearity, Model, ModelContext, Simulation};
 use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::Scene;
@@ -53,7 +53,7 @@ pub fn simulate(
     }
     let of_theory = bodies.error_of_theory(scene);
     let scene = &bodies.named(scene.clone());
-    let model = match Model::made(&Making::new(comm, &watch::Until(comm, &*interrupted)), scene) {
+    let model = match Model::made(&ModelContext::new(comm, &watch::Until(comm, &*interrupted)), scene) {
         Err(Error::Interrupted) => return Ok(None),
         model => model?,
     };

@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use petsc_wrap::Session;
 use ricochet::body::{Closed, DirectSum, ModalBody};
 use ricochet::model::watch::Unwatched;
-use ricochet::model::{Built, Making, build};
+use ricochet::model::{Built, ModelContext, build};
 
 use crate::modelled::parse;
 
@@ -106,7 +106,8 @@ fn vibrations(session: &Session, strip: &Strip) -> Vec<Complex<f64>> {
     );
     let scene = parse(&text);
     let comm = session.world();
-    let Built::Operators(built) = build(&Making::new(&comm, &Unwatched(&comm)), &scene, scene.body.model, 1.0).unwrap()
+    let Built::Operators(built) =
+        build(&ModelContext::new(&comm, &Unwatched(&comm)), &scene, scene.body.model, 1.0).unwrap()
     else {
         panic!("a solid has operators")
     };

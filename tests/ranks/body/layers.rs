@@ -7,7 +7,7 @@ use mpi_test::{Test, tests};
 use petsc_wrap::Session;
 use ricochet::element::Shape;
 use ricochet::model::watch::Unwatched;
-use ricochet::model::{Built, Making, build};
+use ricochet::model::{Built, ModelContext, build};
 use ricochet::scene::Model;
 
 pub const RANKS: &[usize] = &[1, 2];
@@ -159,7 +159,7 @@ fn weight_of_layers(session: &Session) {
     for body in ["model = \"solid\"", "model = \"solid\"\ncells = [6, 6, 3]"] {
         let scene = parse(&laminate([0.008, 0.002, 0.008], [1e9, 1100.0], body, "end = 1e-4", gravity));
         let comm = session.world();
-        let loaded = match build(&Making::new(&comm, &Unwatched(&comm)), &scene, Model::Solid, 1.0).unwrap() {
+        let loaded = match build(&ModelContext::new(&comm, &Unwatched(&comm)), &scene, Model::Solid, 1.0).unwrap() {
             Built::Operators(built) => built.body.in_petsc(&session.alone()).unwrap(),
             Built::Given(_) => panic!("operators"),
         };

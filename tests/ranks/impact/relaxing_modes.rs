@@ -11,7 +11,7 @@ use ricochet::impact::step::Step;
 use ricochet::impact::{ModalImpact, SteppedImpact, Steps, TIME_STEP_SHARE, Trace, joined};
 use ricochet::material::Maxwell;
 use ricochet::model::watch::Unwatched;
-use ricochet::model::{Built, ErrorFactors, Making, build, rate, reduce};
+use ricochet::model::{Built, ErrorFactors, ModelContext, build, rate, reduce};
 use ricochet::scene::Scene;
 
 use crate::modelled::parse;
@@ -50,7 +50,7 @@ fn laminate(layer: f64, temperature: f64, rest: &str) -> String {
 /// The body of a scene with all its unknowns.
 fn whole(session: &Session, scene: &Scene) -> Box<Body> {
     let comm = session.world();
-    match build(&Making::new(&comm, &Unwatched(&comm)), scene, scene.body.model, 1.6).unwrap() {
+    match build(&ModelContext::new(&comm, &Unwatched(&comm)), scene, scene.body.model, 1.6).unwrap() {
         Built::Operators(built) => built.body.in_petsc(&session.alone()).unwrap(),
         Built::Given(_) => panic!("a solid has operators"),
     }
@@ -303,7 +303,7 @@ fn estimates_hold_of_strong_relaxation(session: &Session) {
         ));
         let body = whole(session, &scene);
         let comm = session.world();
-        let reduced = reduce(&Making::new(&comm, &Unwatched(&comm)), &*body, &scene).unwrap();
+        let reduced = reduce(&ModelContext::new(&comm, &Unwatched(&comm)), &*body, &scene).unwrap();
         let full = stepped(&scene, *body, 1.25e-7);
         let (allowed, exact) = (TIME_STEP_SHARE * scene.tolerance, Scene { tolerance: 1e-6, ..scene });
         let [error, of_other] = [&reduced.projection, &reduced.judge].map(|on| off(&full, &modal(&exact, on, 2.5e-7)));

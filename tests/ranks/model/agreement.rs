@@ -12,7 +12,7 @@ use petsc_wrap::{Comm, Session};
 use ricochet::Result;
 use ricochet::agree::of_root;
 use ricochet::model::watch::{Stage, Watch, of_first};
-use ricochet::model::{Making, Model, Simulation};
+use ricochet::model::{Model, ModelContext, Simulation};
 use ricochet::scene::Scene;
 
 pub const RANKS: &[usize] = &[2, 3];
@@ -46,7 +46,7 @@ fn all_ranks_come_to_the_same_stages(session: &Session) {
         assert_ne!(alone(&scene), alone(&finer));
         let own = if comm.is_root() { &scene } else { &finer };
         let watch = Counted { comm: comm.clone(), stages: Cell::new(0) };
-        let vectors = Model::made(&Making::new(&comm, &watch), own).unwrap().vectors.unwrap();
+        let vectors = Model::made(&ModelContext::new(&comm, &watch), own).unwrap().vectors.unwrap();
         let count = [vectors, watch.stages.get()];
         let (mut least, mut most) = ([0; 2], [0; 2]);
         comm.mpi().all_reduce_into(&count, &mut least, SystemOperation::min());

@@ -7,7 +7,7 @@ use petsc_wrap::Session;
 use ricochet::body::{Krylov, ModalBody, Projection};
 use ricochet::impact::{ModalImpact, Steps};
 use ricochet::model::watch::Unwatched;
-use ricochet::model::{Built, Making, build, rate, reduce};
+use ricochet::model::{Built, ModelContext, build, rate, reduce};
 use ricochet::scene::{Newton, Reduction, Scene, Solver};
 
 /// On one rank: bases are tested on several ranks together with their bodies.
@@ -211,12 +211,13 @@ fn growing_bases_are_judged_in_steps_that_show_their_modes(session: &Session) {
          [impactor]\nmass = 4.8\nradius = 0.02\nyoung = 210e9\npoisson = 0.3\nspeed = 0.56\n\
          [time]\nend = 5.4e-3\n[accuracy]\ntolerance = 1e-3\n",
     );
-    let Built::Operators(built) = build(&Making::new(&comm, &Unwatched(&comm)), &scene, scene.body.model, 1.0).unwrap()
+    let Built::Operators(built) =
+        build(&ModelContext::new(&comm, &Unwatched(&comm)), &scene, scene.body.model, 1.0).unwrap()
     else {
         panic!("a box has cells of its own");
     };
     let body = built.body.linear();
-    let reduced = reduce(&Making::new(&comm, &Unwatched(&comm)), body, &scene).unwrap();
+    let reduced = reduce(&ModelContext::new(&comm, &Unwatched(&comm)), body, &scene).unwrap();
     let mut krylov = Krylov::new(body, rate(&scene)).unwrap();
     krylov.grow(body, 2 * reduced.projection.vectors()).unwrap();
     let long = krylov.projection(body).unwrap();

@@ -17,7 +17,7 @@ use super::{PlateTheory, Settings, cells};
 use crate::contact::dent;
 use crate::description::{Description, Part, Portion};
 use crate::form::plate::Section;
-use crate::form::tensor::{Part as Derivative, Square};
+use crate::form::tensor::{Derivative, Square};
 use crate::form::{Material, Spread};
 use crate::scene::Scene;
 use crate::stack::{self, Layerwise, Stack};

@@ -20,7 +20,7 @@
 
 use crate::form::Lame;
 use crate::form::plate::{AREA, DEFLECTION, deflection};
-use crate::form::tensor::{Part, Square};
+use crate::form::tensor::{Derivative, Square};
 use crate::stack::{ShearStrain, Transverse};
 
 /// Factor of a rotation in a shear strain below which it is rounding error: those factors sum to 1.
@@ -104,7 +104,7 @@ impl Profile {
     }
 
     /// A derivative of θ_k along an axis, with its factor.
-    pub fn rotation(&self, k: usize, axis: usize, mut derivatives: [usize; 2]) -> (f64, Part<2>) {
+    pub fn rotation(&self, k: usize, axis: usize, mut derivatives: [usize; 2]) -> (f64, Derivative<2>) {
         if self.is_thin {
             derivatives[axis] += 1;
             return (-1.0, deflection(derivatives));
@@ -113,7 +113,7 @@ impl Profile {
     }
 
     /// Sum of derivatives of θ_k along some axes, up to its sign.
-    fn rotations<const N: usize>(&self, k: usize, sum: [(usize, [usize; 2]); N]) -> Vec<Part<2>> {
+    fn rotations<const N: usize>(&self, k: usize, sum: [(usize, [usize; 2]); N]) -> Vec<Derivative<2>> {
         sum.into_iter().map(|(axis, derivatives)| self.rotation(k, axis, derivatives).1).collect()
     }
 
@@ -168,7 +168,7 @@ impl Profile {
     }
 
     /// Σ c_j ∇·u_j over the faces and interfaces j, differentiated in addition, as factors of derivatives of rotations.
-    pub fn dilatation(&self, of_faces: &[f64], derivatives: [usize; 2]) -> Vec<(f64, Part<2>)> {
+    pub fn dilatation(&self, of_faces: &[f64], derivatives: [usize; 2]) -> Vec<(f64, Derivative<2>)> {
         let [x, y] = derivatives;
         let of = |(k, factor): (usize, f64)| {
             [self.rotation(k, 0, [x + 1, y]), self.rotation(k, 1, [x, y + 1])].map(|(sign, part)| (sign * factor, part))
@@ -177,7 +177,7 @@ impl Profile {
     }
 
     /// Shear strain of a layer along an axis, as factors of derivatives of fields.
-    pub fn shear_strain(&self, strain: &ShearStrain, axis: usize) -> Vec<(f64, Part<2>)> {
+    pub fn shear_strain(&self, strain: &ShearStrain, axis: usize) -> Vec<(f64, Derivative<2>)> {
         let mut along = [0, 0];
         along[axis] = 1;
         let of_slopes = self.of_rotations(&strain.of_displacements).enumerate();
@@ -234,7 +234,11 @@ impl Profile {
     }
 
     /// Writes Σ A_kl f_k f_l as a sum of squares, by 2 f_k f_l = (f_k + f_l)² − f_k² − f_l².
-    fn products(&self, entry: impl Fn([usize; 2]) -> f64, parts: impl Fn(usize) -> Vec<Part<2>>) -> Vec<Square<2>> {
+    fn products(
+        &self,
+        entry: impl Fn([usize; 2]) -> f64,
+        parts: impl Fn(usize) -> Vec<Derivative<2>>,
+    ) -> Vec<Square<2>> {
         let mut forms = Vec::new();
         for k in 0..self.functions() {
             let beside: f64 = (0..self.functions()).filter(|&l| l != k).map(|l| entry([k, l])).sum();
@@ -248,7 +252,7 @@ impl Profile {
     }
 }
 
-fn square(factor: f64, parts: Vec<Part<2>>) -> Square<2> {
+fn square(factor: f64, parts: Vec<Derivative<2>>) -> Square<2> {
     Square::of_sum(factor, &parts, AREA)
 }
 
@@ -266,8 +270,8 @@ pub const fn exchanged_field(field: usize) -> usize {
 }
 
 /// A derivative of θ_k along an axis.
-pub const fn rotation(k: usize, axis: usize, derivatives: [usize; 2]) -> Part<2> {
-    Part { field: DEFLECTION + 1 + 2 * k + axis, derivatives }
+pub const fn rotation(k: usize, axis: usize, derivatives: [usize; 2]) -> Derivative<2> {
+    Derivative { field: DEFLECTION + 1 + 2 * k + axis, derivatives }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector, DVectorView, SymmetricEigen};
 use super::profile::{ROTATIONS, is_rotation};
 use super::{Disc, Layers};
 use crate::form::plate::DEFLECTION;
-use crate::form::tensor::{Part, Square};
+use crate::form::tensor::{Derivative, Square};
 use crate::material::Maxwell;
 use crate::space::plate::geometry::PlateGeometry;
 use crate::space::plate::waves::Wave;
@@ -54,7 +54,7 @@ impl LayerwiseWaves {
             let modulus = chain.transformed_terms(rate);
             stiffness.0.iter_mut().zip(distortion.0).for_each(|(sum, part)| *sum += part * modulus);
         }
-        let mut reading = vec![(1.0, Part { field: DEFLECTION, derivatives: [0, 0] })];
+        let mut reading = vec![(1.0, Derivative { field: DEFLECTION, derivatives: [0, 0] })];
         reading.extend(layers.face_deflection());
         let reading = row(&reading, size).map(|power| power.map(|value| value.re)).into();
         Some(Self { disc, stiffness, mass: Symbol::new(&layers.inertia(), size), reading })
@@ -138,9 +138,9 @@ where
 }
 
 /// Linear form of some derivatives of fields with their factors, on a number of amplitudes.
-fn row(parts: &[(f64, Part<2>)], size: usize) -> Row {
+fn row(parts: &[(f64, Derivative<2>)], size: usize) -> Row {
     let mut row: Row = std::array::from_fn(|_| DVector::zeros(size));
-    for (factor, Part { field, derivatives: [order, beside] }) in parts {
+    for (factor, Derivative { field, derivatives: [order, beside] }) in parts {
         if *beside > 0 {
             continue;
         }

@@ -6,7 +6,7 @@ use super::watch::Watch;
 
 /// How a model is made, beside what its scene says.
 #[derive(Clone, Copy)]
-pub struct Making<'a> {
+pub struct ModelContext<'a> {
     /// Ranks on which the model is made.
     pub comm: &'a Comm,
     /// Follows and may interrupt it.
@@ -17,7 +17,7 @@ pub struct Making<'a> {
     pub keeps_cells: bool,
 }
 
-impl<'a> Making<'a> {
+impl<'a> ModelContext<'a> {
     /// As the scene alone requires.
     pub fn new(comm: &'a Comm, watch: &'a dyn Watch) -> Self {
         Self { comm, watch, limits_deflection_error: false, keeps_cells: false }
