@@ -161,7 +161,7 @@ impl Shown {
 
 fn described(stage: &Stage) -> String {
     match stage {
-        Stage::Assembly { theory, .. } => format!("{}: context its mesh and matrices", model::name(*theory)),
+        Stage::Assembly { theory, .. } => format!("{}: making its mesh and matrices", model::name(*theory)),
         Stage::Factor => "factorising the stiffness for a basis".to_owned(),
         Stage::Basis { vectors, judged: None } => format!("reducing the body to a basis: {vectors} vectors so far"),
         Stage::Basis { vectors, judged: Some(Judged { vectors: of, error, wanted }) } => format!(

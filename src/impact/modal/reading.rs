@@ -7,7 +7,8 @@ use crate::body::{Modes, Shapes};
 use crate::impact::observer::Observed;
 use crate::impact::reading::{ProbeForms, Reading, Readout, contact};
 use crate::space::evaluate::{
-    ContactNow, ContactSize, Coordinates, FaceStresses, LineStresses, Map, TensionMap, TensionSearch,
+    ContactNow, ContactSize, Coordinates, FaceStresses, LineStresses, Map, STEPS_TOGETHER, TensionMap, TensionSearch,
+    products_of_steps,
 };
 
 use super::recorder::Moment;
@@ -79,12 +80,18 @@ impl StressesOfSteps {
         }
     }
 
-    /// Stresses of one step.
+    /// Stresses of some steps, step by step.
     fn apply(&self, faces: &FaceStresses, weights: &[f64]) -> Vec<f64> {
-        match self {
-            Self::OnBasis(_) => faces.map.apply(weights),
-            Self::All(stresses) => (stresses * DVector::from_column_slice(weights)).as_slice().to_vec(),
-            Self::OnLines(lines) => lines.apply(weights),
+        match (self, faces.dense()) {
+            (Self::OnBasis(_), Some((count, rows))) => products_of_steps(rows, count, weights),
+            (Self::All(stresses), _) => {
+                let count = stresses.ncols();
+                (stresses * DMatrix::from_column_slice(count, weights.len() / count.max(1), weights)).data.into()
+            }
+            (Self::OnLines(lines), _) => {
+                weights.chunks_exact(lines.coordinates()).flat_map(|of_step| lines.apply(of_step)).collect()
+            }
+            (Self::OnBasis(_), None) => faces.map.apply(weights),
         }
     }
 }
@@ -195,12 +202,16 @@ impl<'a> FacesReading<'a> {
             steps.iter_mut().zip(found.steps).for_each(|(step, found)| step.reading.faces = found);
         } else {
             let all = all.all();
-            let weights = all.chunks_exact(self.stresses.inputs().max(1));
-            for ((step, contact), weights) in steps.iter_mut().zip(&contacts).zip(weights) {
+            let weights = all.chunks(STEPS_TOGETHER * self.stresses.inputs().max(1));
+            let together = steps.chunks_mut(STEPS_TOGETHER).zip(contacts.chunks(STEPS_TOGETHER)).zip(weights);
+            for ((steps, contacts), weights) in together {
                 let stresses = self.stresses.apply(self.faces, weights);
-                let (found, of_step) = self.faces.tensions(&stresses, contact, step.step.time);
-                self.map.take(&of_step);
-                step.reading.faces = found;
+                let of_steps = stresses.chunks_exact((stresses.len() / steps.len()).max(1));
+                for ((step, contact), stresses) in steps.iter_mut().zip(contacts).zip(of_steps) {
+                    let (found, of_step) = self.faces.tensions(stresses, contact, step.step.time);
+                    self.map.take(&of_step);
+                    step.reading.faces = found;
+                }
             }
         }
     }

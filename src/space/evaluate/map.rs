@@ -1,5 +1,8 @@
 //! Linear forms on the coordinates of a body: its unknowns, or the reduced coordinates of a basis.
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
+
 use super::Form;
 
 /// A sequence of linear forms.
@@ -60,6 +63,21 @@ impl Map {
                 .collect(),
         }
     }
+}
+
+/// Products of `rows`, form by form, with the coordinates of some steps, `count` each: a column of values for each step.
+pub fn products_of_steps(rows: &[f64], count: usize, coordinates: &[f64]) -> Vec<f64> {
+    let (forms, steps) = (rows.len() / count.max(1), coordinates.len() / count.max(1));
+    let mut products = vec![0.0; forms * steps];
+    matmul(
+        MatMut::from_column_major_slice_mut(&mut products, forms, steps),
+        Accum::Replace,
+        MatRef::from_row_major_slice(rows, forms, count),
+        MatRef::from_column_major_slice(coordinates, count, steps),
+        1.0,
+        Par::Seq,
+    );
+    products
 }
 
 /// Renumbers the unknowns that the forms use, and returns these unknowns, ascending.

@@ -13,17 +13,15 @@ mod local;
 
 use std::borrow::Cow;
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
-
 use super::faces::ALIKE;
 use super::line_stress::Together;
+use super::map::products_of_steps;
 use super::{ContactNow, Face, FaceStresses, FaceTension, LineStresses, TensionMap};
 pub use coordinates::Coordinates;
 use local::{LocalRows, ceiling_of, parts, principal_of};
 
 /// Number of steps whose stresses are computed at once.
-const BLOCK: usize = 32;
+pub const STEPS_TOGETHER: usize = 32;
 
 /// Interval of the steps that are searched first, if only the largest tension of all steps is needed.
 const STRIDE: usize = 4;
@@ -162,19 +160,12 @@ impl<'a> TensionSearch<'a> {
             Stresses::Rows { count, rows } => rows.len() / count,
             Stresses::Lines(lines) => 3 * lines.crossings(),
         };
-        for steps in steps.chunks(BLOCK) {
+        for steps in steps.chunks(STEPS_TOGETHER) {
             let coordinates = coordinates.of(steps, count);
-            stresses.resize(sampled * steps.len(), 0.0);
             match &self.stresses {
-                Stresses::Rows { rows, .. } => matmul(
-                    MatMut::from_column_major_slice_mut(&mut stresses, sampled, steps.len()),
-                    Accum::Replace,
-                    MatRef::from_row_major_slice(rows, sampled, count),
-                    MatRef::from_column_major_slice(&coordinates, count, steps.len()),
-                    1.0,
-                    Par::Seq,
-                ),
+                Stresses::Rows { rows, .. } => stresses = products_of_steps(rows, count, &coordinates),
                 Stresses::Lines(lines) => {
+                    stresses.resize(sampled * steps.len(), 0.0);
                     let mut columns = stresses.chunks_exact_mut(sampled);
                     lines.each(&coordinates, |together| {
                         let all = together.stresses();
