@@ -26,6 +26,7 @@ mod local;
 mod lumped;
 pub(crate) mod memory;
 mod modal;
+mod modal_foundation;
 mod modal_relaxation;
 mod modes;
 mod operators;

@@ -5,12 +5,13 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::coupled_classes::coupled_modes;
 use super::coupled_modes::{CoupledModes, Forces, at_rest_beyond};
 use super::eigen::{semidefinite_factor_times, symmetric_eigen};
+use super::modal_foundation::ModalFoundation;
 use super::modal_relaxation::ModalRelaxation;
 use super::relaxing_directions::amplitudes;
 use super::row_blocks::RowBlocks;
 use super::shapes::{Forms, Shapes};
 use super::short_waves::ShortWaves;
-use super::{BlockMatrix, FoundationPoints, InternalForce, PadShapes, Projection};
+use super::{BlockMatrix, FoundationPoints, InternalForce, Projection};
 use crate::error::{Error, Result};
 use crate::scene::Fault;
 
@@ -44,51 +45,6 @@ pub struct Modes {
     foundation: Option<ModalFoundation>,
     /// Inputs b of forces on x, with dampers or relaxation. `None` without them; the inputs are then 1.
     pub(crate) force_inputs: Option<BlockMatrix>,
-}
-
-/// Unilateral foundations in the real coordinates x of the vibrations. The modes that are left out do not move them.
-#[derive(Debug, Clone, PartialEq)]
-struct ModalFoundation {
-    /// Foundation points. Their offsets s ū are reduced by the equilibrium displacement of the modes that are left out.
-    points: FoundationPoints,
-    /// The shapes in which each pad moves.
-    shapes: Vec<PadShapes>,
-}
-
-impl ModalFoundation {
-    /// Returns the penetrations g at given coordinates x, m.
-    fn penetrations(&self, x: &DVector<f64>) -> DVector<f64> {
-        let mut penetrations = -&self.points.offsets;
-        self.shapes.iter().for_each(|pad| pad.add_displacements(x, &mut penetrations));
-        penetrations
-    }
-
-    /// Adds the generalised forces along x of forces on the points, N.
-    fn add_forces(&self, at_points: &DVector<f64>, along: &mut DVector<f64>) {
-        self.shapes.iter().for_each(|pad| pad.add_forces(at_points, along));
-    }
-}
-
-impl InternalForce for ModalFoundation {
-    fn add_force(&self, x: &DVector<f64>, force: &mut DVector<f64>) {
-        self.add_forces(&-self.points.pull(&self.penetrations(x)), force);
-    }
-
-    fn scale(&self, x: &DVector<f64>) -> f64 {
-        let mut along = DVector::zeros(x.len());
-        self.add_forces(&self.points.stiffness.component_mul(&self.penetrations(x)), &mut along);
-        along.lp_norm(1)
-    }
-
-    fn energy(&self, x: &DVector<f64>) -> f64 {
-        -self.points.energy(&self.points.pull(&self.penetrations(x)))
-    }
-
-    fn force_at_rest(&self) -> DVector<f64> {
-        let mut along = DVector::zeros(self.points.rows.ncols());
-        self.add_forces(&-&self.points.resting, &mut along);
-        along
-    }
 }
 
 /// One first-order coordinate of [`Modes`].
@@ -446,7 +402,7 @@ impl Spectrum {
             if points.is_settled {
                 points.offsets.gemv(-1.0, &all.rows, &at_rest, 1.0);
             }
-            ModalFoundation { shapes: points.pad_shapes(), points }
+            ModalFoundation::new(points)
         });
         if let Some(ModeAcceleration { shapes: accelerated, at_rest }) = &self.acceleration {
             shapes.moving = accelerated.select_columns(&moving);

@@ -59,17 +59,10 @@ impl Judge {
     /// Estimated errors on `cells`, from the difference between the forces on `cells` and on these cells.
     pub fn errors(&self, cells: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
         let is_finer = (0..3).all(|axis| self.cells[axis] >= cells[axis]) && self.cells != cells;
-        if !is_finer {
-            return self.errors_of_finer(cells, scene, theory, difference);
-        }
-        LARGEST_FACTOR * difference
-    }
-
-    /// Estimated errors on finer cells, from their difference from these cells.
-    fn errors_of_finer(&self, finer: [usize; 3], scene: &Scene, theory: Model, difference: Errors) -> Errors {
-        // There are no finer cells to compare with.
-        let is_unreliable = theory == Model::Solid && is_unreliable(scene, theory, self.cells, finer);
-        let of_difference = if is_unreliable { LARGEST_FACTOR } else { self.of_difference(finer, scene, theory) };
+        // There may be no finer cells to compare with.
+        let is_unreliable = || theory == Model::Solid && is_unreliable(scene, theory, self.cells, cells);
+        let of_difference =
+            if is_finer || is_unreliable() { LARGEST_FACTOR } else { self.of_difference(cells, scene, theory) };
         of_difference * difference
     }
 

@@ -3,7 +3,7 @@
 //! The error has two parts. In the interior of a plate of several layers the theory's waves have other frequencies than
 //! those of three-dimensional elasticity. The frequencies of the plate's modes are corrected by the ratio for an infinite
 //! plate, and the force changes by the first part. (One layer has the exact frequencies to 2e-4 down to waves of 2.6
-//! thicknesses.) The second part, for edges and the local field under the impactor, is a part of the effect of shear and
+//! thicknesses, for ν = 0.23.) The second part, for edges and the local field under the impactor, is a part of the effect of shear and
 //! of the local field ([`super::plate_error`]). That effect is the difference between the plate and a thin one, which has
 //! neither: Kirchhoff's plate for one layer, or layers that are rigid in shear. If the tolerance is for the stress, the
 //! error of the static local field next to slow interlayers counts, too ([`delay_error`]). A viscoelastic body is compared

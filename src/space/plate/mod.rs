@@ -132,7 +132,7 @@ struct Outline {
 /// The reason why it cannot: one clause.
 pub fn admits(scene: &Scene, theory: PlateTheory) -> std::result::Result<(), String> {
     let geometry = geometry(scene, theory)?;
-    Layers::without_local(scene, &geometry, &Description::new(scene).parts, (theory, &Settings::default()))?;
+    Layers::without_local(scene, &geometry, &Description::new(scene).parts, theory, &Settings::default())?;
     Ok(())
 }
 
@@ -158,7 +158,7 @@ impl Outline {
     /// Outline of the plate of a scene and its description.
     fn new(scene: &Scene, description: &Description, theory: PlateTheory, settings: &Settings) -> Result<Self> {
         let geometry = geometry(scene, theory).map_err(fault)?;
-        let layers = Layers::new(scene, &geometry, &description.parts, (theory, settings)).map_err(fault)?;
+        let layers = Layers::new(scene, &geometry, &description.parts, theory, settings).map_err(fault)?;
         let section = layers.section(scene);
         let radius = layers.disc.map(|disc| disc.radius);
         let wave = wavelength(&section, contact_time(&section, &scene.impactor));

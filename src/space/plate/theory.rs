@@ -171,7 +171,7 @@ mod tests {
 
     /// The twisting stiffness of the theory is G b h³/3 (1 − 2h/(√10 b)), since the twisting moment falls to zero at free
     /// edges within h/√10 = 0.3162 h. Saint-Venant's solid has G b h³/3 (1 − 0.6302 h/b), i.e. a width of 0.3151 h. It is
-    /// computed from the difference of two lengths, so that the ends have no effect. The tolerance is a fifth of the
+    /// computed from the difference of two lengths, so that the ends have no effect. The tolerance is a quarter of the
     /// difference of both.
     #[test]
     fn strips_have_the_twisting_stiffness_of_solids() {

@@ -36,7 +36,7 @@ const RATE_TIMES_CONTACT: f64 = 15.0;
 pub fn infinite_plate(scene: &Scene, theory: PlateTheory, settings: &Settings) -> Result<InfinitePlate> {
     let geometry = super::geometry(scene, theory).map_err(super::fault)?;
     let parts = Description::new(scene).parts;
-    let layers = Layers::without_local(scene, &geometry, &parts, (theory, settings)).map_err(super::fault)?;
+    let layers = Layers::without_local(scene, &geometry, &parts, theory, settings).map_err(super::fault)?;
     Ok(of_section(&geometry, &layers.section(scene), None))
 }
 

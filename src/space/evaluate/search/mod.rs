@@ -189,13 +189,7 @@ impl<'a> TensionSearch<'a> {
         for (place, (face, local)) in self.faces.faces.iter().zip(&self.local).enumerate() {
             let mut peaks = found.peaks.get_mut(place);
             let top = tensions_at_points((face, local), stresses, contact, peaks.as_deref(), &mut values);
-            let value = |point: usize| {
-                face.value(
-                    point,
-                    |number| <[f64; 3]>::try_from(&stresses[3 * number..][..3]).unwrap_or_default(),
-                    contact,
-                )
-            };
+            let value = |point: usize| face.value(point, |number| &stresses[3 * number..][..3], contact);
             let high = values.iter().enumerate().filter(|(_, value)| **value >= top - 2.0 * ALIKE * top.abs());
             let (alike, largest) = face.largest(high.map(|(point, _)| point), value);
             if let Some(peaks) = &mut peaks {

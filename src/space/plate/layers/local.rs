@@ -1,9 +1,8 @@
 //! Compliance of the local field under a load on the top face, which a layerwise plate lacks. It is derived from the
 //! static solution of the infinite stack, without fitting.
 //!
-//! Let Γ(ξ) be the response of the stack at the wavenumber ξ to a
-//! pressure on its top, Γ_L(ξ) the response of the theory on the same face, and H(ξ) the response of a half-space of the
-//! impacted layer. For long waves Γ and Γ_L have the same terms in ξ⁻⁴ and ξ⁻². The remainder is a constant in the
+//! Let Γ(ξ) be the response of the stack at the wavenumber ξ to a pressure on its top, Γ_L(ξ) the response of the theory on
+//! the same face, and H(ξ) the response of a half-space of the impacted layer. For long waves Γ and Γ_L have the same terms in ξ⁻⁴ and ξ⁻². The remainder is a constant in the
 //! contact law,
 //!
 //! c = (1/2π) ∫ {[Γ − H] P_h² − Γ_L P²} ξ dξ,

@@ -69,9 +69,10 @@ impl Layers {
         scene: &Scene,
         geometry: &PlateGeometry,
         parts: &[Part],
-        (theory, settings): (PlateTheory, &Settings),
+        theory: PlateTheory,
+        settings: &Settings,
     ) -> Result<Self, String> {
-        let layers = Self::without_local(scene, geometry, parts, (theory, settings))?;
+        let layers = Self::without_local(scene, geometry, parts, theory, settings)?;
         let Some(disc) = layers.disc.filter(|_| !settings.is_thin) else { return Ok(layers) };
         let edge = geometry.edges[0].max(geometry.edges[1]);
         let compliance = local::compliance(&layers.theory, &disc, edge);
@@ -88,7 +89,8 @@ impl Layers {
         scene: &Scene,
         geometry: &PlateGeometry,
         parts: &[Part],
-        (theory, settings): (PlateTheory, &Settings),
+        theory: PlateTheory,
+        settings: &Settings,
     ) -> Result<Self, String> {
         let mut parts = parts.to_vec();
         // Order the parts from the impacted face.
@@ -268,8 +270,7 @@ fn of_scene(scene: &Scene) -> crate::error::Result<(Layers, PlateGeometry)> {
     let theory = PlateTheory::Layerwise;
     let geometry = super::geometry(scene, theory).map_err(super::fault)?;
     let parts = Description::new(scene).parts;
-    let layers =
-        Layers::without_local(scene, &geometry, &parts, (theory, &Settings::default())).map_err(super::fault)?;
+    let layers = Layers::without_local(scene, &geometry, &parts, theory, &Settings::default()).map_err(super::fault)?;
     Ok((layers, geometry))
 }
 
