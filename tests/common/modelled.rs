@@ -1,12 +1,12 @@
 //! Runs of a scene with the model that it asks for.
 #![allow(dead_code, reason = "not every test that shares this module uses all of it")]
 
-use std::ops::ControlFlow;
-
 use petsc_wrap::Comm;
 use ricochet::impact::step::Step;
+use ricochet::impact::{Reading, Until};
 use ricochet::model::{Model, Simulation};
 use ricochet::record::episodes::{Episode, Episodes};
+use ricochet::record::stress::LargestTension;
 use ricochet::scene::{Model as Theory, Scene};
 
 /// Results of a run.
@@ -34,20 +34,41 @@ pub fn run(comm: &Comm, text: &str) -> Ran {
 
 /// Runs a scene. Collective.
 pub fn run_scene(comm: &Comm, scene: &Scene) -> Ran {
-    let model = Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"));
+    let model = make_model(comm, scene);
     let (theory, unknowns, vectors) = (model.theory, model.unknowns, model.vectors);
-    let mut simulation = Simulation::new(scene, model).unwrap_or_else(|error| panic!("{error}"));
     let (mut steps, mut episodes) = (Vec::new(), Episodes::default());
-    let flow = simulation.run(|step| {
+    let simulation = watch(scene, model, |step, _| {
         steps.push(*step);
         episodes.push(step);
-        Ok(ControlFlow::Continue(()))
     });
-    assert!(flow.unwrap_or_else(|error| panic!("{error}")).is_continue());
     comm.collect_garbage().unwrap();
     let [error, deflection_error] =
         simulation.error().total().map_or([f64::NAN; 2], |errors| [errors.history, errors.deflection]);
     Ran { theory, steps, contacts: episodes.all().to_vec(), error, deflection_error, unknowns, vectors }
+}
+
+/// The model of a scene. Collective.
+pub fn make_model(comm: &Comm, scene: &Scene) -> Model {
+    Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Runs a model to the end of its scene. The closure receives the steps with the values read from the body. Collective.
+pub fn watch(scene: &Scene, model: Model, take: impl FnMut(&Step, &Reading)) -> Simulation {
+    let mut simulation = Simulation::new(scene, model).unwrap_or_else(|error| panic!("{error}"));
+    let flow = simulation.run_watched(&mut Until { interrupted: &|| false, take });
+    assert!(flow.unwrap_or_else(|error| panic!("{error}")).is_continue());
+    simulation
+}
+
+/// Largest tension of a run with its estimated error, and the name of its face. Collective.
+pub fn find_largest_tension(comm: &Comm, scene: &Scene) -> (LargestTension, String) {
+    let mut largest = LargestTension::default();
+    let simulation =
+        watch(scene, make_model(comm, scene), |step, reading| largest.take(step.time, &reading.faces, &[]));
+    largest.error_estimate = simulation.error().total().map_or(f64::NAN, |errors| errors.stress);
+    comm.collect_garbage().unwrap();
+    let face = simulation.faces().get(largest.face).cloned().unwrap_or_default();
+    (largest, face)
 }
 
 impl Ran {

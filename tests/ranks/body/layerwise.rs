@@ -1,14 +1,12 @@
 //! Layerwise plates: comparison with a homogeneous plate, with an independent program's laminate, and with solids.
 
 use crate::laminated::{Reference, reference};
-use crate::modelled::{parse, run};
+use crate::modelled::{make_model, parse, run, watch};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::impact::step::Step;
-use ricochet::impact::{Cause, Observer, Reading};
-use ricochet::model::{Model, Simulation};
+use ricochet::impact::Cause;
 use ricochet::scene::Model as Theory;
-use std::ops::ControlFlow;
 
 pub const ALONE: &[Test<Session>] = tests![
     layers_of_one_material_are_one_plate,
@@ -87,30 +85,20 @@ fn solids_of_splines_agree(session: &Session) {
 }
 
 /// The largest tensions on all faces, Pa, and the time steps.
-#[derive(Default)]
 struct Largest {
     steps: Vec<Step>,
     tensions: Vec<f64>,
 }
 
-impl Observer for Largest {
-    fn step(&mut self, step: &Step, reading: &Reading) -> ricochet::Result<ControlFlow<()>> {
-        self.steps.push(*step);
-        self.tensions.resize(reading.faces.len(), f64::NEG_INFINITY);
-        self.tensions.iter_mut().zip(&reading.faces).for_each(|(most, face)| *most = most.max(face.largest));
-        Ok(ControlFlow::Continue(()))
-    }
-}
-
 fn tensions(comm: &Comm, text: &str) -> (Vec<String>, Largest) {
     let scene = parse(text);
-    let model = Model::new(comm, &scene).unwrap_or_else(|error| panic!("{error}"));
-    let mut largest = Largest::default();
-    let mut simulation = Simulation::new(&scene, model).unwrap_or_else(|error| panic!("{error}"));
-    let names = simulation.faces().to_vec();
-    let flow = simulation.run_watched(&mut largest).unwrap_or_else(|error| panic!("{error}"));
-    assert!(flow.is_continue());
-    (names, largest)
+    let (mut steps, mut tensions) = (Vec::new(), Vec::new());
+    let simulation = watch(&scene, make_model(comm, &scene), |step, reading| {
+        steps.push(*step);
+        tensions.resize(reading.faces.len(), f64::NEG_INFINITY);
+        tensions.iter_mut().zip(&reading.faces).for_each(|(most, face)| *most = face.largest.max(*most));
+    });
+    (simulation.faces().to_vec(), Largest { steps, tensions })
 }
 
 /// Faces of the interlayer: most of their principal stress is transverse shear, for which the plate's layer has a
@@ -159,7 +147,7 @@ fn errors_of_tensions_next_to_slow_interlayers_are_estimated(session: &Session) 
             .replace("mass = 52.0\nradius = 0.05", "mass = 0.05\nradius = 0.03")
             .replace("speed = 1.0", "speed = 2.0");
         let scene = parse(&text);
-        let model = Model::new(&session.world(), &scene).unwrap_or_else(|error| panic!("{error}"));
+        let model = make_model(&session.world(), &scene);
         let estimate = model.error.of_tension().stress;
         (tensions(&session.world(), &text).1.tensions[1], estimate)
     };
@@ -182,7 +170,7 @@ fn errors_of_tensions_next_to_relaxing_interlayers_are_estimated(session: &Sessi
             .replace("mass = 52.0\nradius = 0.05", "mass = 0.3\nradius = 0.03")
             .replace("speed = 1.0", "speed = 0.1");
         let scene = parse(&text);
-        let model = Model::new(&session.world(), &scene).unwrap_or_else(|error| panic!("{error}"));
+        let model = make_model(&session.world(), &scene);
         let local = model.error.of(Cause::LocalField).map_or(0.0, |errors| errors.stress);
         (tensions(&session.world(), &text).1.tensions[1], local, scene.impactor.moduli_time())
     };
@@ -266,7 +254,7 @@ fn auto_climbs(session: &Session) {
     let rest = "[accuracy]\ntolerance = 3e-2\n";
     for interlayer in [soft(1e7), format!("{}\nprony = [{{ modulus = 5e6, time = 1e-4 }}]", soft(5e6))] {
         let scene = parse(&pane(&PLIES, &interlayer, "", "end = 1e-3", rest));
-        let model = Model::new(&session.world(), &scene).unwrap_or_else(|error| panic!("{error}"));
+        let model = make_model(&session.world(), &scene);
         let reason = model.reason.expect("a reason");
         assert_eq!(model.theory, Theory::Layerwise, "{reason}");
         assert!(reason.contains("estimated error of layerwise relative to solid"), "{reason}");
@@ -281,7 +269,7 @@ fn auto_climbs_for_the_tension(session: &Session) {
         let text = pane(&[0.005, 0.00076, 0.005], &soft(3e5), "", "end = 1e-4", &rest)
             .replace("[0.5, 0.5]", "[0.12, 0.12]")
             .replace("mass = 52.0", "mass = 0.3");
-        let model = Model::new(&session.world(), &parse(&text)).unwrap_or_else(|error| panic!("{error}"));
+        let model = make_model(&session.world(), &parse(&text));
         assert_eq!(model.theory, theory, "{quantity}: {:?}", model.reason);
     }
 }
@@ -298,7 +286,7 @@ fn errors_with_slow_interlayers_are_estimated(session: &Session) {
     };
     let [plate, solid] = ["layerwise", "solid"].map(|model| run(&session.world(), &text(model, 2e-2)));
     let (error, _) = solid.difference(&plate);
-    let auto = Model::new(&session.world(), &parse(&text("auto", 0.4))).unwrap_or_else(|error| panic!("{error}"));
+    let auto = make_model(&session.world(), &parse(&text("auto", 0.4)));
     assert_eq!(auto.theory, Theory::Layerwise, "{:?}", auto.reason);
     let estimate = auto.error.of(Cause::Theory).expect("an error of the theory").first_contact;
     println!("{error:e} {estimate:e}");

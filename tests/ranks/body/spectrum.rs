@@ -59,7 +59,7 @@ impl Dense {
 }
 
 /// A matrix on one rank, as a dense matrix.
-fn dense(matrix: &Matrix) -> DMatrix<f64> {
+pub fn dense(matrix: &Matrix) -> DMatrix<f64> {
     let mut dense = DMatrix::zeros(matrix.size().0, matrix.size().1);
     for row in matrix.row_range() {
         let entries = matrix.row(row).unwrap();

@@ -1,14 +1,9 @@
 //! Given areas of contact on plates, splines and meshes.
 
-use crate::modelled::{Ran, parse, run};
+use crate::modelled::{Ran, find_largest_tension, parse, run};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
-use ricochet::impact::step::Step;
-use ricochet::impact::{Observer, Reading};
-use ricochet::model::{Model, Simulation};
-use ricochet::record::stress::LargestTension;
 use ricochet::scene::Scene;
-use std::ops::ControlFlow;
 
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
@@ -28,22 +23,10 @@ fn linear(stiffness: f64, area: &str) -> String {
     format!("[contact]\nlaw = \"power\"\nexponent = 1\nstiffness = {stiffness:e}\n{area}\n")
 }
 
-struct Watch(LargestTension);
-
-impl Observer for Watch {
-    fn step(&mut self, step: &Step, reading: &Reading) -> ricochet::error::Result<ControlFlow<()>> {
-        self.0.take(step.time, &reading.faces, &[]);
-        Ok(ControlFlow::Continue(()))
-    }
-}
-
 /// Largest tension (Pa) with its estimated error.
 fn tension(comm: &Comm, scene: &Scene) -> [f64; 2] {
-    let mut simulation = Simulation::new(scene, Model::new(comm, scene).unwrap()).unwrap();
-    let mut watch = Watch(LargestTension::default());
-    assert!(simulation.run_watched(&mut watch).unwrap().is_continue());
-    comm.collect_garbage().unwrap();
-    [watch.0.value, simulation.error().total().map_or(f64::NAN, |errors| errors.stress)]
+    let (largest, _) = find_largest_tension(comm, scene);
+    [largest.value, largest.error_estimate]
 }
 
 fn force(ran: &Ran) -> f64 {

@@ -2,7 +2,7 @@
 //! Newton matrix.
 
 use crate::bricks;
-use crate::field;
+use crate::field::{self, linear, quadratic};
 use mpi_test::{Test, tests};
 use std::path::Path;
 
@@ -69,16 +69,6 @@ fn scene(kind: &Kind, point: [f64; 3], direction: [f64; 3], gap: f64) -> String 
 fn unit(direction: [f64; 3]) -> [f64; 3] {
     let length = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
     direction.map(|d| d / length)
-}
-
-/// A field of second degree; its linear part is `linear`.
-fn quadratic([x, y, z]: [f64; 3]) -> [f64; 3] {
-    let [a, b, c] = linear([x, y, z]);
-    [a + 3.0 * x * y - z * z, b + x * x - 2.0 * y * z, c + y * y + x * z + 5.0 * x * x]
-}
-
-fn linear([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [0.3 + x - 2.0 * y + 0.5 * z, -0.2 + 0.7 * x + y - z, 0.1 - x + 0.4 * y + 3.0 * z]
 }
 
 /// a sums to d over the nodes, is non-zero only on the facet, edge or vertex of the impact point, and gives the exact

@@ -1,6 +1,7 @@
 //! The localisation vector a of a contact patch: Hertz's pressure over a disc of the surface.
 
 use crate::bricks;
+use crate::field::{linear, quadratic};
 use mpi_test::{Test, tests};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -105,16 +106,6 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 fn combine(terms: &[(f64, [f64; 3])]) -> [f64; 3] {
     [0, 1, 2].map(|i| terms.iter().map(|(factor, x)| factor * x[i]).sum())
-}
-
-/// A field of second degree; its linear part is `linear`.
-fn quadratic([x, y, z]: [f64; 3]) -> [f64; 3] {
-    let [a, b, c] = linear([x, y, z]);
-    [a + 3.0 * x * y - z * z, b + x * x - 2.0 * y * z, c + y * y + x * z + 5.0 * x * x]
-}
-
-fn linear([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [0.3 + x - 2.0 * y + 0.5 * z, -0.2 + 0.7 * x + y - z, 0.1 - x + 0.4 * y + 3.0 * z]
 }
 
 /// ∫p = 1, ∫p x = 0 and ∫p x² = r²/5, measured with fields, for centres anywhere, radii from a hundredth of a cell to

@@ -23,11 +23,11 @@ struct Case {
 const PLAIN: Case = Case { name: "", impactor: "speed = 1.0", rest: "", step: 1e-5, steps: 60 };
 
 const STIFF_SIDE: &str = "[[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n";
-const PAD: &str =
+pub const PAD: &str =
     "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnormal = [0.0, 0.0, -1.0]\nstiffness = [0.0, 0.0, 1e10]\n";
-const HARD_PAD: &str =
+pub const HARD_PAD: &str =
     "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnormal = [0.0, 0.0, -1.0]\nstiffness = [0.0, 0.0, 1e15]\n";
-const ALL: &str = "[[support]]\nsurface = \"x-min\"\nkind = \"clamped\"\ndisplacement = [1e-5, 0.0, -5e-5]\n\
+pub const ALL: &str = "[[support]]\nsurface = \"x-min\"\nkind = \"clamped\"\ndisplacement = [1e-5, 0.0, -5e-5]\n\
     [[support]]\nsurface = \"x-max\"\nkind = \"elastic\"\nstiffness = [1e9, 2e9, 1e10]\ndamping = 1e5\n\
     displacement = [0.0, 1e-5, 1e-4]\n\
     [[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnormal = [0.0, 0.6, -0.8]\nstiffness = [0.0, 1e9, 3e10]\n\

@@ -5,6 +5,7 @@ use mpi_test::{Test, tests};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use crate::impact::newton::{ALL, HARD_PAD, PAD};
 use crate::start::{run, start};
 use petsc_wrap::{Comm, Session};
 use ricochet::body::Body;
@@ -17,16 +18,6 @@ pub const RANKS: &[usize] = &[1, 2];
 pub const TESTS: &[Test<Session>] = tests![methods, reference, agrees_with_full];
 
 const ENERGY: &str = "scheme = \"energy\"";
-const PAD: &str =
-    "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnormal = [0.0, 0.0, -1.0]\nstiffness = [0.0, 0.0, 1e10]\n";
-const HARD_PAD: &str =
-    "[[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnormal = [0.0, 0.0, -1.0]\nstiffness = [0.0, 0.0, 1e15]\n";
-const ALL: &str = "[[support]]\nsurface = \"x-min\"\nkind = \"clamped\"\ndisplacement = [1e-5, 0.0, -5e-5]\n\
-    [[support]]\nsurface = \"x-max\"\nkind = \"elastic\"\nstiffness = [1e9, 2e9, 1e10]\ndamping = 1e5\n\
-    displacement = [0.0, 1e-5, 1e-4]\n\
-    [[support]]\nsurface = \"bottom\"\nkind = \"pad\"\nnormal = [0.0, 0.6, -0.8]\nstiffness = [0.0, 1e9, 3e10]\n\
-    displacement = [0.0, -1e-5, 2e-5]\n";
-
 struct Case {
     name: &'static str,
     supports: &'static str,

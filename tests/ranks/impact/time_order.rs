@@ -1,9 +1,10 @@
 //! Order of the time integration scheme.
 
+use crate::body::spectrum::dense;
 use crate::start::{run, start};
 use mpi_test::{Test, tests};
-use nalgebra::{DMatrix, DVector};
-use petsc_wrap::{Matrix, Session, Vector};
+use nalgebra::DVector;
+use petsc_wrap::{Session, Vector};
 use ricochet::impact::step::Step;
 use ricochet::impact::{State, SteppedImpact, TimeIntegration as _};
 
@@ -19,18 +20,6 @@ fn scene(body: &str, rest: &str, impactor: &str, time: &str) -> String {
          [impactor]\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\n{impactor}\n[time]\n{time}\n\
          [contact]\nlocalization = \"point\"\n[solver]\nnewton = \"full\"\n"
     )
-}
-
-/// A matrix on one rank, as a dense matrix.
-fn dense(matrix: &Matrix) -> DMatrix<f64> {
-    let mut dense = DMatrix::zeros(matrix.size().0, matrix.size().1);
-    for row in matrix.row_range() {
-        let entries = matrix.row(row).unwrap();
-        for (column, value) in entries.columns.iter().zip(&entries.values) {
-            dense[(row as usize, *column as usize)] = *value;
-        }
-    }
-    dense
 }
 
 /// Shape (uᵀMu = 1) and angular frequency of the free body's lowest elastic mode.

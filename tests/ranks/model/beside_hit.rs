@@ -2,18 +2,13 @@
 //! another program; and statically, compared with the exact series of a thick plate.
 
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
-
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::form::hertz_wave;
-use ricochet::impact::step::Step;
-use ricochet::impact::{Observer, Reading};
-use ricochet::model::{Model, Simulation};
 use ricochet::scene::Model as Theory;
 
 use crate::model::independent::{FOLDER, History};
-use crate::modelled::parse;
+use crate::modelled::{make_model, parse, watch};
 
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] =
@@ -23,16 +18,7 @@ pub const TESTS: &[Test<Session>] =
 const RADII: [f64; 5] = [0.0, 0.25, 0.5, 1.0, 2.0];
 
 /// Time, force, and the two larger principal stresses of each probe, for each time step.
-#[derive(Default)]
-struct Watch(Vec<(f64, f64, Vec<[f64; 2]>)>);
-
-impl Observer for Watch {
-    fn step(&mut self, step: &Step, reading: &Reading) -> ricochet::error::Result<ControlFlow<()>> {
-        let stresses = reading.probes.iter().map(|probe| [probe.principal_stress[0], probe.principal_stress[1]]);
-        self.0.push((step.time, step.contact.force, stresses.collect()));
-        Ok(ControlFlow::Continue(()))
-    }
-}
+type Stresses = Vec<(f64, f64, Vec<[f64; 2]>)>;
 
 /// A plate of glass with probes on its lower face at [`RADII`] along x. The force is Hertz's pressure over a quarter of
 /// the thickness.
@@ -46,7 +32,7 @@ struct Plate {
 }
 
 impl Plate {
-    fn watched(&self, comm: &Comm, theory: Theory, tolerance: f64) -> Watch {
+    fn watched(&self, comm: &Comm, theory: Theory, tolerance: f64) -> Stresses {
         let Self { edge, thickness, supports, impactor, end } = self;
         let probe = |radius: f64| {
             format!("{{name = \"{radius}\", point = [{}, 0.0, {}]}}", radius * thickness, -0.5 * thickness)
@@ -58,11 +44,13 @@ impl Plate {
             0.25 * thickness
         ));
         scene.body.model = theory;
-        let mut simulation = Simulation::new(&scene, Model::new(comm, &scene).unwrap()).unwrap();
-        let mut watch = Watch::default();
-        assert!(simulation.run_watched(&mut watch).unwrap().is_continue());
+        let mut stresses = Vec::new();
+        watch(&scene, make_model(comm, &scene), |step, reading| {
+            let of_probes = reading.probes.iter().map(|probe| [probe.principal_stress[0], probe.principal_stress[1]]);
+            stresses.push((step.time, step.contact.force, of_probes.collect()));
+        });
         comm.collect_garbage().unwrap();
-        watch
+        stresses
     }
 }
 
@@ -86,7 +74,7 @@ fn histories_beside_the_hit_are_those_of_solids(session: &Session) {
         let end = times[times.len() - 1];
         let plate = Plate { edge, thickness, supports, impactor: STEEL, end };
         for (theory, tolerance) in [(Theory::Mindlin, 1e-2), (Theory::Solid, 1e-2)] {
-            let watch = plate.watched(&session.world(), theory, tolerance);
+            let steps = plate.watched(&session.world(), theory, tolerance);
             for (number, radius) in RADII.into_iter().enumerate() {
                 let components = [0, 1].map(|i| History::new(times.clone(), column(2 + 2 * number + i)));
                 // The stress normal to the face is zero: the principal stresses are these two and zero.
@@ -96,7 +84,7 @@ fn histories_beside_the_hit_are_those_of_solids(session: &Session) {
                     [stresses[0], stresses[1]]
                 };
                 let (mut peaks, mut most) = ([0.0_f64; 2], [0.0_f64; 2]);
-                for (time, _, stresses) in &watch.0 {
+                for (time, _, stresses) in &steps {
                     let exact = exact(*time);
                     for i in 0..2 {
                         peaks[i] = peaks[i].max(exact[i]);
@@ -152,8 +140,8 @@ fn a_slow_force_has_the_series_of_a_thick_plate(session: &Session) {
     for (theory, tolerance, bound) in
         [(Theory::Mindlin, 1e-2, 5e-3), (Theory::Mindlin, 1e-3, 2e-3), (Theory::Solid, 1e-3, 2e-3)]
     {
-        let watch = plate.watched(&session.world(), theory, tolerance);
-        let (_, force, stresses) = watch.0.iter().max_by(|one, other| one.1.total_cmp(&other.1)).expect("steps");
+        let steps = plate.watched(&session.world(), theory, tolerance);
+        let (_, force, stresses) = steps.iter().max_by(|one, other| one.1.total_cmp(&other.1)).expect("steps");
         for (found, radius) in stresses.iter().zip(RADII) {
             let exact = series(edge, thickness, 0.25 * thickness, radius * thickness);
             let most = exact[0].max(exact[1]);

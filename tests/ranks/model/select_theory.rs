@@ -2,10 +2,9 @@
 //! scene.
 
 use crate::glass::plate;
-use crate::modelled::{parse, run_scene};
+use crate::modelled::{make_model, parse, run_scene};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
-use ricochet::model::Model;
 use ricochet::scene::{self, Scene};
 use ricochet::space::spline;
 
@@ -28,10 +27,6 @@ fn ball(impactor: &str, rest: &str) -> String {
     )
 }
 
-fn model(comm: &Comm, scene: &Scene) -> Model {
-    Model::new(comm, scene).unwrap_or_else(|error| panic!("{error}"))
-}
-
 /// Comparison with Mindlin's plate, which is within 1e-3 of a solid here. The estimate is the sum of the worst effects
 /// of waves, of the plate's motion and of its thickness. The error is below the estimate, by not much more than a
 /// factor of two.
@@ -39,7 +34,7 @@ fn a_half_space_is_within_its_estimated_error(session: &Session) {
     let comm = session.world();
     for (mass, radius) in [(1e-4, 0.002), (3e-4, 0.003), (1e-3, 0.005), (2e-3, 0.006)] {
         let text = ball(&format!("mass = {mass:e}\nradius = {radius}"), "[accuracy]\ntolerance = 1e-1\n");
-        let auto = model(&comm, &parse(&text));
+        let auto = make_model(&comm, &parse(&text));
         assert_eq!(auto.theory, scene::Model::HalfSpace);
         let estimate = auto.error.total().expect("auto tells its error").first_contact;
         let fine = text.replace("tolerance = 1e-1", "tolerance = 1e-3");
@@ -59,7 +54,7 @@ fn what_rules_a_half_space_out(session: &Session) {
     let tolerance = "[accuracy]\ntolerance = 1e-1\n";
     // The smallest plate whose edges are too far for their echoes to come back within the contact.
     let small = |text: String| text.replace("[0.4, 0.4", "[0.2, 0.2");
-    let theory = |impactor: &str, rest: &str| model(&comm, &parse(&small(ball(impactor, rest)))).theory;
+    let theory = |impactor: &str, rest: &str| make_model(&comm, &parse(&small(ball(impactor, rest)))).theory;
     assert_eq!(theory(light, tolerance), scene::Model::HalfSpace);
     for (impactor, rest) in [
         ("mass = 1e-4\nradius = 0.002\npoint = [0.085, 0.0, 0.01]", tolerance.to_owned()),
@@ -93,7 +88,7 @@ fn what_rules_plates_out(session: &Session) {
     let plate = "size = [1.0, 1.0, 0.04]";
     let coarse = "size = [1.0, 1.0, 0.04]\ncells = [8, 8, 1]\norder = 1";
     let found = |text: &str| {
-        let model = model(&comm, &parse(text));
+        let model = make_model(&comm, &parse(text));
         (model.theory, model.reason.unwrap_or_default())
     };
     assert_eq!(found(&text(plate, "", "")).0, scene::Model::Mindlin);
@@ -143,12 +138,12 @@ fn a_relaxing_plate_of_one_material_is_a_solid(session: &Session) {
                 [material.polymer]\ndensity = 1190.0\nbulk = 4e9\nshear = 1e9\nprony = [{ modulus = 0.5e9, time = 5e-4 }]\n\
                 [impactor]\nmass = 1.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
                 [time]\nend = 1e-4\n[accuracy]\ntolerance = 1e-1\n";
-    let auto = model(&session.world(), &parse(text));
+    let auto = make_model(&session.world(), &parse(text));
     assert_eq!(auto.theory, scene::Model::Solid);
     let why = auto.reason.expect("a reason");
     assert!(why.contains("viscoelastic") && why.contains("\"layerwise\""), "{why}");
     let named = text.replace("size = [0.4", "model = \"layerwise\"\nsize = [0.4");
-    assert_eq!(model(&session.world(), &parse(&named)).theory, scene::Model::Layerwise);
+    assert_eq!(make_model(&session.world(), &parse(&named)).theory, scene::Model::Layerwise);
 }
 
 /// Narrow, usual and wide rubber strips under the edges: `auto` uses a plate, which is within the tolerance of the
@@ -161,7 +156,7 @@ fn strips_are_for_plates(session: &Session) {
         );
         let text = plate("size = [0.5, 0.5, 0.02]", "end = 2.5e-3", &strip);
         let tolerance = parse(&text).tolerance;
-        let auto = model(&comm, &parse(&text));
+        let auto = make_model(&comm, &parse(&text));
         assert_eq!(auto.theory, scene::Model::Mindlin, "{width}: {:?}", auto.reason);
         let solid = text.replace("size = [0.5", "model = \"solid\"\nsize = [0.5");
         let (error, _) = run_scene(&comm, &parse(&solid)).difference(&run_scene(&comm, &parse(&text)));
@@ -181,7 +176,7 @@ fn sides_held_unevenly_are_for_solids(session: &Session) {
         let support = format!("[[support]]\nsurface = \"side\"\n{part}\nkind = \"elastic\"\nstiffness = {stiffness}\n");
         parse(&plate("size = [0.5, 0.5, 0.02]", "end = 1e-4", &(support + "[accuracy]\ntolerance = 0.2\n")))
     };
-    let auto = model(&comm, &held(-0.01, "1e9"));
+    let auto = make_model(&comm, &held(-0.01, "1e9"));
     assert_eq!(auto.theory, scene::Model::Solid);
     assert!(
         auto.reason.as_deref().is_some_and(|reason| reason.contains("not even across the thickness")),
@@ -189,7 +184,7 @@ fn sides_held_unevenly_are_for_solids(session: &Session) {
         auto.reason
     );
     // For supports normal to the plate the height does not matter.
-    assert_eq!(model(&comm, &held(-0.01, "[0, 0, 1e9]")).theory, scene::Model::Mindlin);
+    assert_eq!(make_model(&comm, &held(-0.01, "[0, 0, 1e9]")).theory, scene::Model::Mindlin);
 }
 
 /// A short impact on the whole of a wide plate, which would need 78,408 unknowns with splines: Mindlin's plate is used,
@@ -204,7 +199,7 @@ fn a_plate_stands_for_a_solid_too_large_for_splines(session: &Session) {
     let reason = spline::admits(&whole).expect_err("splines would take too many unknowns");
     let quarter = parse(&text.replace("symmetry = \"none\"\n", ""));
     assert_eq!(spline::admits(&quarter), Ok(()));
-    let auto = model(&comm, &whole);
+    let auto = make_model(&comm, &whole);
     assert_eq!(auto.theory, scene::Model::Mindlin, "{:?}", auto.reason);
     let why = auto.reason.unwrap_or_default();
     assert!(why.contains(&reason) && why.contains("but used"), "{why}");

@@ -3,18 +3,13 @@
 //! The right values are of linear static solids of another program: hexahedra, or curved tetrahedra, of order 3, graded to
 //! the edges of the supports. Two meshes agree to the digits given.
 
-use std::ops::ControlFlow;
-
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
-use ricochet::impact::step::Step;
-use ricochet::impact::{Observer, Reading};
-use ricochet::model::{Model, Simulation};
 use ricochet::record::stress::LargestTension;
 use ricochet::scene::{self, Scene};
 use ricochet::space::plate::{Plate, PlateTheory, Settings};
 
-use crate::modelled::parse;
+use crate::modelled::{make_model, parse, watch};
 
 pub const RANKS: &[usize] = &[1];
 pub const TESTS: &[Test<Session>] = tests![
@@ -76,26 +71,16 @@ fn laminate_on_foot() -> String {
     format!("[body]\nsize = [1.0, 1.2]\n{LAMINATE}{}{}{TOUCH}", spring("bottom", foot, 4e9), pressure("", -1500.0))
 }
 
-struct Watch(LargestTension, Option<f64>);
-
-impl Observer for Watch {
-    fn step(&mut self, step: &Step, reading: &Reading) -> ricochet::error::Result<ControlFlow<()>> {
-        self.0.take(step.time, &reading.faces, &[]);
-        if self.1.is_none() && step.contact.force > 0.0 {
-            self.1 = Some(f64::INFINITY);
-        }
-        Ok(ControlFlow::Continue(()))
-    }
-}
-
 /// The largest stress of a run with its estimated error, and the theory.
 fn largest(comm: &Comm, scene: &Scene) -> (LargestTension, scene::Model) {
-    let model = Model::new(comm, scene).unwrap();
+    let model = make_model(comm, scene);
     let theory = model.theory;
-    let mut simulation = Simulation::new(scene, model).unwrap();
-    let mut watch = Watch(LargestTension::default(), None);
-    assert!(simulation.run_watched(&mut watch).unwrap().is_continue());
-    let largest = watch.0.with_error(&simulation.error().of_tension(), scene, watch.1);
+    let (mut largest, mut first_contact) = (LargestTension::default(), None);
+    let simulation = watch(scene, model, |step, reading| {
+        largest.take(step.time, &reading.faces, &[]);
+        first_contact = first_contact.or((step.contact.force > 0.0).then_some(f64::INFINITY));
+    });
+    let largest = largest.with_error(&simulation.error().of_tension(), scene, first_contact);
     comm.collect_garbage().unwrap();
     (largest, theory)
 }
@@ -150,7 +135,7 @@ fn a_smaller_tolerance_never_takes_fewer_cells(session: &Session) {
         let mut before = 0;
         for tolerance in [1e-1, 3e-2, 1e-2, 3e-3] {
             let scene = parse(&format!("{text}{}", for_stress(tolerance)));
-            let unknowns = Model::new(&session.world(), &scene).unwrap().unknowns;
+            let unknowns = make_model(&session.world(), &scene).unknowns;
             assert!(unknowns >= before, "{theory} {tolerance:e}: {unknowns} after {before}");
             before = unknowns;
         }
@@ -165,7 +150,7 @@ fn cells_follow_their_factor(session: &Session) {
         );
         let unknowns = |factor: f64| {
             let scene = parse(&format!("{text}[accuracy]\ntolerance = 5e-2\ncell_factor = {factor}\n"));
-            Model::new(&session.world(), &scene).unwrap().unknowns as f64
+            make_model(&session.world(), &scene).unknowns as f64
         };
         let ratio = unknowns(0.5) / unknowns(1.0);
         assert!((1.8..5.0).contains(&ratio), "{model}: {ratio}");
@@ -223,18 +208,12 @@ fn the_thickness_is_compressed_in_series_with_a_bedding(session: &Session) {
         -pressure
     );
     let scene = parse(&text);
-    let mut simulation = Simulation::new(&scene, Model::new(&session.world(), &scene).unwrap()).unwrap();
-    struct First(Option<f64>);
-    impl Observer for First {
-        fn step(&mut self, _: &Step, reading: &Reading) -> ricochet::error::Result<ControlFlow<()>> {
-            self.0.get_or_insert(reading.probes[0].displacement[2]);
-            Ok(ControlFlow::Continue(()))
-        }
-    }
-    let mut first = First(None);
-    assert!(simulation.run_watched(&mut first).unwrap().is_continue());
+    let mut first = None;
+    watch(&scene, make_model(&session.world(), &scene), |_, reading| {
+        first.get_or_insert(reading.probes[0].displacement[2]);
+    });
     session.world().collect_garbage().unwrap();
     let exact = -pressure / stiffness - pressure * thickness / (2.0 * young);
-    let sunk = first.0.unwrap();
+    let sunk = first.unwrap();
     assert!((sunk / exact - 1.0).abs() < 1e-9, "{sunk:e} {exact:e}");
 }
