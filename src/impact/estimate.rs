@@ -5,7 +5,7 @@ use std::ops::{Add, Mul};
 use serde::{Deserialize, Serialize};
 
 use crate::contact::Patch;
-use crate::scene::Measure;
+use crate::scene::{Measure, Scene};
 
 /// Cause of an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -227,11 +227,23 @@ pub struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
-    /// Adds the errors of a cause.
+    /// Adds or replaces the errors of a cause.
     #[must_use]
     pub fn with(mut self, cause: Cause, errors: Errors) -> Self {
-        self.parts.push((cause, errors));
+        match self.parts.iter_mut().find(|(of, _)| *of == cause) {
+            Some((_, known)) => *known = errors,
+            None => self.parts.push((cause, errors)),
+        }
         self
+    }
+
+    /// Adds or replaces the error of the contact law of a scene, if anything else is estimated.
+    #[must_use]
+    pub fn with_law(self, scene: &Scene) -> Self {
+        let of_law = scene.impactor.error_of_law();
+        let is_new = of_law > 0.0 && !self.parts.is_empty();
+        let is_set = is_new || self.of(Cause::ContactLaw).is_some();
+        if is_set { self.with(Cause::ContactLaw, Errors::throughout(of_law)) } else { self }
     }
 
     /// Adds the error of a contact patch, if there is one and its error is known.
@@ -247,12 +259,6 @@ impl ErrorEstimate {
     /// Errors of a cause; `None` if they are not estimated.
     pub fn of(&self, cause: Cause) -> Option<Errors> {
         self.parts.iter().find(|(of, _)| *of == cause).map(|(_, errors)| *errors)
-    }
-
-    /// Returns the estimate without the errors of a cause.
-    #[must_use]
-    pub fn without(&self, cause: Cause) -> Self {
-        Self { parts: self.parts.iter().copied().filter(|(of, _)| *of != cause).collect() }
     }
 
     /// Combined errors of all causes; `None` if nothing is estimated.

@@ -173,11 +173,6 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
         Self { has_energies: self.gate.is_set(), ..self }
     }
 
-    /// Contact force of the last run, with its time steps.
-    pub fn force(&self) -> Option<&(Trace, Steps)> {
-        self.last.as_ref()
-    }
-
     /// Computes only the contact force, in the given time steps or those of the scene; returns it with the time steps
     /// used.
     ///
@@ -337,6 +332,10 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
 
     fn count(&self) -> Count {
         self.count
+    }
+
+    fn force(&self) -> Option<&(Trace, Steps)> {
+        self.last.as_ref()
     }
 
     fn nodes(&self) -> Option<&[Vec3]> {
