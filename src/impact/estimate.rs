@@ -106,16 +106,21 @@ impl Errors {
         }
     }
 
+    /// Computes each error from those of both.
+    fn each(self, other: Self, of_both: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            first_contact: of_both(self.first_contact, other.first_contact),
+            history: of_both(self.history, other.history),
+            stress: of_both(self.stress, other.stress),
+            stress_history: of_both(self.stress_history, other.stress_history),
+            deflection: of_both(self.deflection, other.deflection),
+        }
+    }
+
     /// Combines both, quantity by quantity (see [`joined`]).
     #[must_use]
     pub fn joined(self, other: Self) -> Self {
-        Self {
-            first_contact: joined(self.first_contact, other.first_contact),
-            history: joined(self.history, other.history),
-            stress: joined(self.stress, other.stress),
-            stress_history: joined(self.stress_history, other.stress_history),
-            deflection: joined(self.deflection, other.deflection),
-        }
+        self.each(other, joined)
     }
 
     /// Returns the smaller error of each quantity; an error that is not estimated remains NaN.
@@ -125,22 +130,14 @@ impl Errors {
         Self {
             first_contact: self.first_contact.min(other.first_contact),
             history: self.history.min(other.history),
-            stress: least(self.stress, other.stress),
-            stress_history: least(self.stress_history, other.stress_history),
-            deflection: least(self.deflection, other.deflection),
+            ..self.each(other, least)
         }
     }
 
     /// Returns the larger error of each quantity.
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        Self {
-            first_contact: self.first_contact.max(other.first_contact),
-            history: self.history.max(other.history),
-            stress: self.stress.max(other.stress),
-            stress_history: self.stress_history.max(other.stress_history),
-            deflection: self.deflection.max(other.deflection),
-        }
+        self.each(other, f64::max)
     }
 }
 
@@ -180,13 +177,7 @@ impl Add for Errors {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self {
-            first_contact: self.first_contact + other.first_contact,
-            history: self.history + other.history,
-            stress: self.stress + other.stress,
-            stress_history: self.stress_history + other.stress_history,
-            deflection: self.deflection + other.deflection,
-        }
+        self.each(other, f64::add)
     }
 }
 
@@ -194,14 +185,7 @@ impl Mul<Errors> for f64 {
     type Output = Errors;
 
     fn mul(self, errors: Errors) -> Errors {
-        let Errors { first_contact, history, stress, stress_history, deflection } = errors;
-        Errors {
-            first_contact: self * first_contact,
-            history: self * history,
-            stress: self * stress,
-            stress_history: self * stress_history,
-            deflection: self * deflection,
-        }
+        Errors::throughout(self).each(errors, f64::mul)
     }
 }
 
