@@ -5,7 +5,7 @@ use std::ops::{Add, Mul};
 use serde::{Deserialize, Serialize};
 
 use crate::contact::Patch;
-use crate::scene::Measure;
+use crate::scene::{Measure, Scene};
 
 /// Cause of an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,16 +106,21 @@ impl Errors {
         }
     }
 
+    /// Computes each error from those of both.
+    fn each(self, other: Self, of_both: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            first_contact: of_both(self.first_contact, other.first_contact),
+            history: of_both(self.history, other.history),
+            stress: of_both(self.stress, other.stress),
+            stress_history: of_both(self.stress_history, other.stress_history),
+            deflection: of_both(self.deflection, other.deflection),
+        }
+    }
+
     /// Combines both, quantity by quantity (see [`joined`]).
     #[must_use]
     pub fn joined(self, other: Self) -> Self {
-        Self {
-            first_contact: joined(self.first_contact, other.first_contact),
-            history: joined(self.history, other.history),
-            stress: joined(self.stress, other.stress),
-            stress_history: joined(self.stress_history, other.stress_history),
-            deflection: joined(self.deflection, other.deflection),
-        }
+        self.each(other, joined)
     }
 
     /// Returns the smaller error of each quantity; an error that is not estimated remains NaN.
@@ -125,22 +130,14 @@ impl Errors {
         Self {
             first_contact: self.first_contact.min(other.first_contact),
             history: self.history.min(other.history),
-            stress: least(self.stress, other.stress),
-            stress_history: least(self.stress_history, other.stress_history),
-            deflection: least(self.deflection, other.deflection),
+            ..self.each(other, least)
         }
     }
 
     /// Returns the larger error of each quantity.
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        Self {
-            first_contact: self.first_contact.max(other.first_contact),
-            history: self.history.max(other.history),
-            stress: self.stress.max(other.stress),
-            stress_history: self.stress_history.max(other.stress_history),
-            deflection: self.deflection.max(other.deflection),
-        }
+        self.each(other, f64::max)
     }
 }
 
@@ -180,13 +177,7 @@ impl Add for Errors {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self {
-            first_contact: self.first_contact + other.first_contact,
-            history: self.history + other.history,
-            stress: self.stress + other.stress,
-            stress_history: self.stress_history + other.stress_history,
-            deflection: self.deflection + other.deflection,
-        }
+        self.each(other, f64::add)
     }
 }
 
@@ -194,14 +185,7 @@ impl Mul<Errors> for f64 {
     type Output = Errors;
 
     fn mul(self, errors: Errors) -> Errors {
-        let Errors { first_contact, history, stress, stress_history, deflection } = errors;
-        Errors {
-            first_contact: self * first_contact,
-            history: self * history,
-            stress: self * stress,
-            stress_history: self * stress_history,
-            deflection: self * deflection,
-        }
+        Errors::throughout(self).each(errors, f64::mul)
     }
 }
 
@@ -227,11 +211,23 @@ pub struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
-    /// Adds the errors of a cause.
+    /// Adds or replaces the errors of a cause.
     #[must_use]
     pub fn with(mut self, cause: Cause, errors: Errors) -> Self {
-        self.parts.push((cause, errors));
+        match self.parts.iter_mut().find(|(of, _)| *of == cause) {
+            Some((_, known)) => *known = errors,
+            None => self.parts.push((cause, errors)),
+        }
         self
+    }
+
+    /// Adds or replaces the error of the contact law of a scene, if anything else is estimated.
+    #[must_use]
+    pub fn with_law(self, scene: &Scene) -> Self {
+        let of_law = scene.impactor.error_of_law();
+        let is_new = of_law > 0.0 && !self.parts.is_empty();
+        let is_set = is_new || self.of(Cause::ContactLaw).is_some();
+        if is_set { self.with(Cause::ContactLaw, Errors::throughout(of_law)) } else { self }
     }
 
     /// Adds the error of a contact patch, if there is one and its error is known.
@@ -247,12 +243,6 @@ impl ErrorEstimate {
     /// Errors of a cause; `None` if they are not estimated.
     pub fn of(&self, cause: Cause) -> Option<Errors> {
         self.parts.iter().find(|(of, _)| *of == cause).map(|(_, errors)| *errors)
-    }
-
-    /// Returns the estimate without the errors of a cause.
-    #[must_use]
-    pub fn without(&self, cause: Cause) -> Self {
-        Self { parts: self.parts.iter().copied().filter(|(of, _)| *of != cause).collect() }
     }
 
     /// Combined errors of all causes; `None` if nothing is estimated.

@@ -101,19 +101,13 @@ impl Reader {
     /// If a PETSc call fails.
     pub(super) fn new(body: &Body, readout: &Readout) -> Result<Self> {
         let gather = |columns: &[Int]| Gather::new(&body.terms.load, columns);
+        let of_probes = |probes: &ProbeForms| Ok::<_, crate::Error>((gather(&probes.columns)?, probes.clone()));
+        let of_fields = |(every, columns): &(usize, Vec<Int>)| Ok::<_, crate::Error>((*every, gather(columns)?));
+        let of_faces = |faces: &Rc<FaceStresses>| Ok::<_, crate::Error>((gather(&faces.columns)?, faces.clone()));
         Ok(Self {
-            probes: match &readout.probes {
-                Some(probes) => Some((gather(&probes.columns)?, probes.clone())),
-                None => None,
-            },
-            fields: match &readout.fields {
-                Some((every, columns)) => Some((*every, gather(columns)?)),
-                None => None,
-            },
-            faces: match &readout.faces {
-                Some(faces) => Some((gather(&faces.columns)?, faces.clone())),
-                None => None,
-            },
+            probes: readout.probes.as_ref().map(of_probes).transpose()?,
+            fields: readout.fields.as_ref().map(of_fields).transpose()?,
+            faces: readout.faces.as_ref().map(of_faces).transpose()?,
             contact: readout.contact.clone(),
             is_here: readout.is_here(),
         })

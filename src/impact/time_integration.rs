@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::scene::Vec3;
 
 use super::checkpoint::{Checkpoint, Visitor};
-use super::{Observer, Plan, Readout};
+use super::{Observer, Plan, Readout, Steps, Trace};
 
 /// A body and an impactor, ready for a run.
 pub trait TimeIntegration {
@@ -19,6 +19,11 @@ pub trait TimeIntegration {
 
     /// Cost of the runs so far.
     fn count(&self) -> Count;
+
+    /// Contact force of the last run and its time steps; `None` before it, and for steps in the unknowns of a body.
+    fn force(&self) -> Option<&(Trace, Steps)> {
+        None
+    }
 
     /// Positions of this rank's nodes, m; `None` for a body without a mesh.
     fn nodes(&self) -> Option<&[Vec3]>;

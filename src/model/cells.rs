@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cell_error::{Judge, are_few, finer_size, is_unreliable};
 use super::context::ModelContext;
+use super::judgement::cost;
 use super::local_field_error::{local_field_errors, of_hit};
 use super::reduce::{BASIS_SHARE, Plan, Reduced, grow, reduce_from};
 use super::theory::{Built, Operators, build, cells_of_grid};
@@ -160,12 +161,9 @@ fn refined(context: &ModelContext, scene: &Scene, theory: Model, mut fine: Fitte
             let wanted = allowed(scene, fine.reduced.error.joined(others));
             let over = watch.agreed(error.of(scene.measure) / wanted);
             finer = rung_below(over.recip().powf(1.0 / LARGEST_ORDER)).clamp(RUNG * RUNG, RUNG);
-            let cost = fine.unknowns as f64 * (fine.reduced.projection.vectors() as f64).powi(2);
-            if over <= 1.0
-                || context.keeps_cells
-                || finer * fine.size < SMALLEST_CELL_FACTOR
-                || cost > LARGEST_REFINED_COST
-            {
+            let is_last = context.keeps_cells || finer * fine.size < SMALLEST_CELL_FACTOR;
+            let cost = cost(fine.unknowns, fine.reduced.projection.vectors());
+            if over <= 1.0 || is_last || cost > LARGEST_REFINED_COST {
                 return Ok(fine);
             }
         }

@@ -14,6 +14,7 @@ mod readings;
 mod reduce;
 mod select_plate;
 mod select_theory;
+mod shared;
 mod simulation;
 mod theory;
 mod trials;
@@ -29,6 +30,7 @@ pub use plate_error::plate_error_over_difference;
 pub use readings::Gauges;
 pub use reduce::{BASIS_SHARE, Reduced, may_lack_rotations, rate, reduce, shift};
 pub use select_theory::thickness_compression;
+pub use shared::SharedModel;
 pub use simulation::Simulation;
 pub use theory::{Built, Operators, admits, build, name};
 
@@ -149,22 +151,11 @@ impl Model {
             scene::Model::Auto => select_theory::select_theory(context, scene),
             theory => Self::of(context, scene, theory),
         };
-        let with_low_shift = ModelContext { limits_deflection_error: true, ..*context };
-        let is_auto = scene.body.reduction == scene::Reduction::Auto;
-        let lacks_rotations = is_auto && may_lack_rotations(scene);
-        let mut model = made(if lacks_rotations { &with_low_shift } else { context })?;
         // Theories and cells are compared on bases with the same shift, so that the whole model is made again.
-        let is_poor = model.may_lower_shift && model.error_of_deflection_by_basis() > LARGE_ERROR_OF_DEFLECTION;
-        if context.watch.decided(is_poor) {
-            model = match made(&with_low_shift) {
-                Err(Error::Solve(_) | Error::Fault(_)) => model,
-                second => second?,
-            };
-        }
-        let of_law = scene.impactor.error_of_law();
-        if of_law > 0.0 && model.error.total().is_some() {
-            model = model.with_error(Cause::ContactLaw, Errors::throughout(of_law));
-        }
+        let mut model = made_with_low_shift(context, scene, made, |model| {
+            model.may_lower_shift && model.error_of_deflection_by_basis() > LARGE_ERROR_OF_DEFLECTION
+        })?;
+        model.error = model.error.with_law(scene);
         // All errors are estimated from contact forces.
         if !model.is_untouched {
             return Ok(model);
@@ -281,13 +272,41 @@ impl Model {
     }
 }
 
+/// Makes a model, or a body that several share, on bases with a low shift if automatic bases would lack rotations without it,
+/// or if the first one is poor. Collective.
+///
+/// # Errors
+/// Same as `make`. If the second one is not possible, the first serves.
+pub fn made_with_low_shift<T>(
+    context: &ModelContext,
+    scene: &Scene,
+    make: impl Fn(&ModelContext) -> Result<T>,
+    is_poor: impl FnOnce(&T) -> bool,
+) -> Result<T> {
+    let with_low_shift = ModelContext { limits_deflection_error: true, ..*context };
+    let lacks_rotations = has_automatic_basis(scene) && may_lack_rotations(scene);
+    let made = make(if lacks_rotations { &with_low_shift } else { context })?;
+    if !context.watch.decided(!lacks_rotations && is_poor(&made)) {
+        return Ok(made);
+    }
+    match make(&with_low_shift) {
+        Err(Error::Solve(_) | Error::Fault(_)) => Ok(made),
+        second => second,
+    }
+}
+
+/// Whether the number of basis vectors follows from the tolerance.
+pub fn has_automatic_basis(scene: &Scene) -> bool {
+    scene.body.reduction == scene::Reduction::Auto
+}
+
 /// Largest number of unknowns of a spline solid for which a second model is made, which then takes about a second.
 const MOST_UNKNOWNS_OF_SECOND_SOLID: usize = 4000;
 
 /// Whether a body may be reduced a second time, to a basis with a low shift, at a limited cost. `vectors` is the number
 /// of vectors of the first basis.
 pub fn is_quickly_reduced_again(scene: &Scene, theory: scene::Model, unknowns: usize, vectors: usize) -> bool {
-    scene.body.reduction == scene::Reduction::Auto
+    has_automatic_basis(scene)
         && scene.measure != scene::Measure::Deflection
         // With pads, each impact that is computed on a basis takes long.
         && !scene.is_on_pads()

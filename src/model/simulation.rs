@@ -8,11 +8,14 @@ use crate::contact::Patch;
 use crate::error::Result;
 use crate::impact::checkpoint::Checkpoint;
 use crate::impact::step::Step;
-use crate::impact::{Cause, Count, ErrorEstimate, Errors, ModalImpact, Observer, Plan, SteppedImpact, TimeIntegration};
-use crate::scene::{Scene, Vec3};
+use crate::impact::{
+    Cause, Count, ErrorEstimate, Errors, ModalImpact, Observer, Plan, Readout, SteppedImpact, Steps, TimeIntegration,
+    Trace,
+};
+use crate::scene::{Model as Theory, Scene, Vec3};
 use crate::space::evaluate::FieldSampler;
 
-use super::{Dynamics, Gauges, Model, led};
+use super::{Dynamics, Gauges, Linearity, Model, led};
 
 /// An impact simulation that is ready to run.
 pub struct Simulation {
@@ -26,6 +29,9 @@ pub struct Simulation {
     /// Same as [`Model::is_untouched`].
     is_untouched: bool,
     patch: Option<Patch>,
+    linearity: Option<Linearity>,
+    /// Number of unknowns of the body before any reduction, and of the impactor.
+    unknowns: usize,
     sampler: Option<FieldSampler>,
     /// Names of the faces whose largest tension is read; on rank 0.
     faces: Vec<String>,
@@ -39,23 +45,47 @@ impl Simulation {
     /// # Errors
     /// A fault of the scene if an explicit time step is unstable; or if a PETSc call fails.
     pub fn new(scene: &Scene, model: Model) -> Result<Self> {
-        let (of_model, is_untouched, patch) = (model.error, model.is_untouched, model.dynamics.patch());
+        let patch = model.dynamics.patch();
         let is_led = matches!(model.dynamics, Dynamics::Modal(_)) && model.comm.size() > 1;
-        let mut integration: Box<dyn TimeIntegration> = match model.dynamics {
+        let integration: Box<dyn TimeIntegration> = match model.dynamics {
             Dynamics::Stepped(body) => Box::new(SteppedImpact::new(scene, *body)?),
             Dynamics::Modal(body) => {
                 let scene = Scene { tolerance: model.tolerance, ..scene.clone() };
                 Box::new(ModalImpact::new(&scene, body).with_known(model.known))
             }
         };
-        let (mut sampler, mut faces, mut face_points) = (None, Vec::new(), Vec::new());
-        if let Some(Gauges { readout, sampler: of_fields, .. }) = model.gauges {
+        let (readout, sampler) = model.gauges.map(|Gauges { readout, sampler }| (readout, sampler)).unzip();
+        let bare = Self::of((scene, model.theory, model.unknowns), integration, model.error, patch, readout)?;
+        let led = Some(model.comm).filter(|_| is_led);
+        Ok(Self { led, is_untouched: model.is_untouched, sampler: sampler.flatten(), ..bare })
+    }
+
+    /// The impact of a scene with the estimated error of its model. Collective.
+    pub(super) fn of(
+        (scene, theory, unknowns): (&Scene, Theory, usize),
+        mut integration: Box<dyn TimeIntegration>,
+        of_model: ErrorEstimate,
+        patch: Option<Patch>,
+        readout: Option<Readout>,
+    ) -> Result<Self> {
+        let (mut faces, mut face_points) = (Vec::new(), Vec::new());
+        if let Some(readout) = readout {
             (faces, face_points) = (readout.face_names(), readout.face_points());
             integration.set_readout(readout)?;
-            sampler = of_fields;
         }
-        let led = Some(model.comm).filter(|_| is_led);
-        Ok(Self { integration, led, count: None, of_model, is_untouched, patch, sampler, faces, face_points })
+        Ok(Self {
+            integration,
+            led: None,
+            count: None,
+            of_model,
+            is_untouched: false,
+            linearity: Linearity::new(scene, theory, patch.as_ref()),
+            patch,
+            unknowns: unknowns + 1,
+            sampler: None,
+            faces,
+            face_points,
+        })
     }
 
     /// Hands out the sampler that makes fields of readings, once; on rank 0, if the scene asks for fields.
@@ -120,6 +150,31 @@ impl Simulation {
     /// Work done by the runs so far.
     pub fn count(&self) -> Count {
         self.count.unwrap_or_else(|| self.integration.count())
+    }
+
+    /// Whether the deflection is within the range of a linear model; `None` if that is not known.
+    pub fn linearity(&self) -> Option<Linearity> {
+        self.linearity
+    }
+
+    /// Number of unknowns of the body before any reduction, and of the impactor.
+    pub fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+
+    /// Contact force of the last run and its time steps, in modal coordinates.
+    pub fn force(&self) -> Option<&(Trace, Steps)> {
+        self.integration.force()
+    }
+
+    /// Replaces the estimated error by basis, discretisation and theory.
+    pub fn set_error_of_model(&mut self, of_model: ErrorEstimate) {
+        self.of_model = of_model;
+    }
+
+    /// Estimated error without that of the time steps.
+    pub fn error_before_steps(&self) -> ErrorEstimate {
+        self.of_model.clone().with_patch(self.patch.as_ref())
     }
 
     /// Estimated error by basis, discretisation, theory, time steps and patch, as far as each is known. Empty if only

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use miette::{LabeledSpan, NamedSource};
 use serde::{Deserialize, Serialize};
-use toml_edit::{Array, Document, DocumentMut, InlineTable, Value, value};
+use toml_edit::{Array, Document, DocumentMut, InlineTable, Item, Value, value};
 
 use super::error::{Excerpt, SceneError};
 use super::grammar::hint;
@@ -70,31 +70,26 @@ impl Source {
     }
 
     /// The source with `contact.table` replaced by points of indentation (m) and force (N), if it names a file.
-    pub(super) fn with_table(mut self, points: &[[f64; 2]]) -> Self {
-        let document = Document::parse(self.text.as_str()).map(Document::into_mut);
-        if let Ok(mut document) = document
-            && let Some(table) = document.get_mut("contact").and_then(|contact| contact.get_mut("table"))
-            && table.is_str()
-        {
-            *table = value(points.iter().map(|point| Array::from_iter(*point)).collect::<Array>());
-            self.text = document.to_string();
-        }
-        self
+    pub(super) fn with_table(self, points: &[[f64; 2]]) -> Self {
+        let points = value(points.iter().map(|point| Array::from_iter(*point)).collect::<Array>());
+        self.with_value(&["contact", "table"], points)
     }
 
     /// The source with the relaxation terms of a material, pairs of time (s) and modulus (Pa), in place of their file.
-    pub(super) fn with_terms(mut self, material: &str, pairs: &[[f64; 2]]) -> Self {
-        let document = Document::parse(self.text.as_str()).map(Document::into_mut);
-        if let Ok(mut document) = document
-            && let Some(prony) = document
-                .get_mut("material")
-                .and_then(|materials| materials.get_mut(material))
-                .and_then(|material| material.get_mut("prony"))
+    pub(super) fn with_terms(self, material: &str, pairs: &[[f64; 2]]) -> Self {
+        let term = |[time, modulus]: &[f64; 2]| {
+            InlineTable::from_iter([("modulus", Value::from(*modulus)), ("time", Value::from(*time))])
+        };
+        self.with_value(&["material", material, "prony"], value(pairs.iter().map(term).collect::<Array>()))
+    }
+
+    /// The source with another value in place of the name of a file.
+    fn with_value(mut self, path: &[&str], value: Item) -> Self {
+        if let Ok(mut document) = Document::parse(self.text.as_str()).map(Document::into_mut)
+            && let Some(found) = path.iter().try_fold(document.as_item_mut(), |item, key| item.get_mut(key))
+            && found.is_str()
         {
-            let term = |[time, modulus]: &[f64; 2]| {
-                InlineTable::from_iter([("modulus", Value::from(*modulus)), ("time", Value::from(*time))])
-            };
-            *prony = value(pairs.iter().map(term).collect::<Array>());
+            *found = value;
             self.text = document.to_string();
         }
         self

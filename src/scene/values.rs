@@ -5,7 +5,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
+use serde::de::{self, Deserialize, Deserializer, SeqAccess, Unexpected, Visitor};
 
 use super::Vec3;
 use super::raw::Term;
@@ -78,187 +78,150 @@ impl Three<Number> {
     }
 }
 
-impl<'de> Deserialize<'de> for Number {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(NumberVisitor)
+/// A type of values, with the forms in which a scene may have it; a form without a function is refused.
+trait Value<'de>: Sized {
+    /// Description in messages about other forms.
+    const EXPECTED: &'static str;
+
+    fn of_word(_: &str) -> Option<Self> {
+        None
+    }
+
+    fn of_whole(whole: i64) -> Option<Self> {
+        Self::of_number(whole as f64)
+    }
+
+    fn of_number(_: f64) -> Option<Self> {
+        None
+    }
+
+    fn of_list<A: SeqAccess<'de>>(_: A) -> Result<Self, A::Error> {
+        Err(de::Error::invalid_type(Unexpected::Seq, &Self::EXPECTED))
     }
 }
 
-struct NumberVisitor;
+/// Reads a value in any of its forms.
+struct ValueVisitor<T>(PhantomData<T>);
 
-impl Visitor<'_> for NumberVisitor {
-    type Value = Number;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a number, as 0.05 or 70e9")
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Number, E> {
-        Ok(Number(value))
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Number, E> {
-        Ok(Number(value as f64))
-    }
-}
-
-impl<'de> Deserialize<'de> for Whole {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(WholeVisitor)
-    }
-}
-
-struct WholeVisitor;
-
-impl Visitor<'_> for WholeVisitor {
-    type Value = Whole;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a whole number, as 20")
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Whole, E> {
-        Ok(Whole(value))
-    }
-}
-
-impl<'de> Deserialize<'de> for WordOrWhole {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(WordOrWholeVisitor)
-    }
-}
-
-struct WordOrWholeVisitor;
-
-impl Visitor<'_> for WordOrWholeVisitor {
-    type Value = WordOrWhole;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a word or a whole number")
-    }
-
-    fn visit_str<E: de::Error>(self, value: &str) -> Result<WordOrWhole, E> {
-        Ok(WordOrWhole::Word(value.to_owned()))
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<WordOrWhole, E> {
-        Ok(WordOrWhole::Whole(value))
-    }
-}
-
-impl<'de> Deserialize<'de> for FileOrPoints {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(FileOrPointsVisitor)
-    }
-}
-
-struct FileOrPointsVisitor;
-
-impl<'de> Visitor<'de> for FileOrPointsVisitor {
-    type Value = FileOrPoints;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("the name of a file, or points [[0, 0], [0.001, 50.0]] of indentation and force")
-    }
-
-    fn visit_str<E: de::Error>(self, value: &str) -> Result<FileOrPoints, E> {
-        Ok(FileOrPoints::File(value.to_owned()))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<FileOrPoints, A::Error> {
-        let points: Vec<[Number; 2]> = all(entries)?;
-        Ok(FileOrPoints::Points(points.into_iter().map(|[x, y]| [x.0, y.0]).collect()))
-    }
-}
-
-impl<'de> Deserialize<'de> for FileOrTerms {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(FileOrTermsVisitor)
-    }
-}
-
-struct FileOrTermsVisitor;
-
-impl<'de> Visitor<'de> for FileOrTermsVisitor {
-    type Value = FileOrTerms;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("the name of a file, or terms [{ modulus = 1e6, time = 1e-3 }]")
-    }
-
-    fn visit_str<E: de::Error>(self, value: &str) -> Result<FileOrTerms, E> {
-        Ok(FileOrTerms::File(value.to_owned()))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<FileOrTerms, A::Error> {
-        all(entries).map(FileOrTerms::Terms)
-    }
-}
-
-impl<'de> Deserialize<'de> for Edges {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "three numbers [x, y, z], or two of a box with layers";
-        deserializer.deserialize_any(TwoOrThree { expecting, two: Edges::AlongLayers, three: Edges::All })
-    }
-}
-
-impl<'de> Deserialize<'de> for SurfacePoint {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expecting = "three numbers [x, y, z], or two along the face of a box that is hit";
-        deserializer.deserialize_any(TwoOrThree { expecting, two: SurfacePoint::AlongFace, three: SurfacePoint::All })
-    }
-}
-
-/// Reads a value from two or three numbers.
-struct TwoOrThree<T> {
-    expecting: &'static str,
-    two: fn([f64; 2]) -> T,
-    three: fn([f64; 3]) -> T,
-}
-
-impl<'de, T> Visitor<'de> for TwoOrThree<T> {
+impl<'de, T: Value<'de>> Visitor<'de> for ValueVisitor<T> {
     type Value = T;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(self.expecting)
+        f.write_str(T::EXPECTED)
+    }
+
+    fn visit_str<E: de::Error>(self, word: &str) -> Result<T, E> {
+        T::of_word(word).ok_or_else(|| E::invalid_type(Unexpected::Str(word), &self))
+    }
+
+    fn visit_i64<E: de::Error>(self, whole: i64) -> Result<T, E> {
+        T::of_whole(whole).ok_or_else(|| E::invalid_type(Unexpected::Signed(whole), &self))
+    }
+
+    fn visit_f64<E: de::Error>(self, number: f64) -> Result<T, E> {
+        T::of_number(number).ok_or_else(|| E::invalid_type(Unexpected::Float(number), &self))
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<T, A::Error> {
-        let numbers: Vec<f64> = all::<_, Number>(entries)?.into_iter().map(|number| number.0).collect();
-        match numbers[..] {
-            [x, y, z] => Ok((self.three)([x, y, z])),
-            [x, y] => Ok((self.two)([x, y])),
-            _ => Err(de::Error::invalid_length(numbers.len(), &self)),
-        }
+        T::of_list(entries)
     }
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Three<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ThreeVisitor(PhantomData))
+impl Value<'_> for Number {
+    const EXPECTED: &'static str = "a number, as 0.05 or 70e9";
+
+    fn of_number(number: f64) -> Option<Self> {
+        Some(Self(number))
     }
 }
 
-struct ThreeVisitor<T>(PhantomData<T>);
+impl Value<'_> for Whole {
+    const EXPECTED: &'static str = "a whole number, as 20";
 
-impl<'de, T: Deserialize<'de>> Visitor<'de> for ThreeVisitor<T> {
-    type Value = Three<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("three numbers [x, y, z]")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<Three<T>, A::Error> {
-        three(entries, &self).map(Three)
+    fn of_whole(whole: i64) -> Option<Self> {
+        Some(Self(whole))
     }
 }
 
-/// Reads exactly three entries. For another number the error names the `expected` value.
-fn three<'de, A: SeqAccess<'de>, T: Deserialize<'de>>(
-    entries: A,
-    expected: &dyn de::Expected,
-) -> Result<[T; 3], A::Error> {
-    all(entries)?.try_into().map_err(|all: Vec<T>| de::Error::invalid_length(all.len(), expected))
+impl Value<'_> for WordOrWhole {
+    const EXPECTED: &'static str = "a word or a whole number";
+
+    fn of_word(word: &str) -> Option<Self> {
+        Some(Self::Word(word.to_owned()))
+    }
+
+    fn of_whole(whole: i64) -> Option<Self> {
+        Some(Self::Whole(whole))
+    }
+}
+
+impl<'de> Value<'de> for FileOrPoints {
+    const EXPECTED: &'static str = "the name of a file, or points [[0, 0], [0.001, 50.0]] of indentation and force";
+
+    fn of_word(file: &str) -> Option<Self> {
+        Some(Self::File(file.to_owned()))
+    }
+
+    fn of_list<A: SeqAccess<'de>>(entries: A) -> Result<Self, A::Error> {
+        let points: Vec<[Number; 2]> = all(entries)?;
+        Ok(Self::Points(points.into_iter().map(|[x, y]| [x.0, y.0]).collect()))
+    }
+}
+
+impl<'de> Value<'de> for FileOrTerms {
+    const EXPECTED: &'static str = "the name of a file, or terms [{ modulus = 1e6, time = 1e-3 }]";
+
+    fn of_word(file: &str) -> Option<Self> {
+        Some(Self::File(file.to_owned()))
+    }
+
+    fn of_list<A: SeqAccess<'de>>(entries: A) -> Result<Self, A::Error> {
+        all(entries).map(Self::Terms)
+    }
+}
+
+impl<'de> Value<'de> for Edges {
+    const EXPECTED: &'static str = "three numbers [x, y, z], or two of a box with layers";
+
+    fn of_list<A: SeqAccess<'de>>(entries: A) -> Result<Self, A::Error> {
+        two_or_three(entries, Self::AlongLayers, Self::All, Self::EXPECTED)
+    }
+}
+
+impl<'de> Value<'de> for SurfacePoint {
+    const EXPECTED: &'static str = "three numbers [x, y, z], or two along the face of a box that is hit";
+
+    fn of_list<A: SeqAccess<'de>>(entries: A) -> Result<Self, A::Error> {
+        two_or_three(entries, Self::AlongFace, Self::All, Self::EXPECTED)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Value<'de> for Three<T> {
+    const EXPECTED: &'static str = "three numbers [x, y, z]";
+
+    fn of_list<A: SeqAccess<'de>>(entries: A) -> Result<Self, A::Error> {
+        three(entries, Self::EXPECTED).map(Self)
+    }
+}
+
+impl<'de> Value<'de> for ByComponent {
+    const EXPECTED: &'static str = "one number, or three [x, y, z]";
+
+    fn of_number(number: f64) -> Option<Self> {
+        Some(Self([number; 3]))
+    }
+
+    fn of_list<A: SeqAccess<'de>>(entries: A) -> Result<Self, A::Error> {
+        three(entries, Self::EXPECTED).map(|numbers: [Number; 3]| Self(Three(numbers).numbers()))
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Value<'de> for List<T> {
+    const EXPECTED: &'static str = "an array; tables in one have headers in double brackets, as [[support]]";
+
+    fn of_list<A: SeqAccess<'de>>(entries: A) -> Result<Self, A::Error> {
+        all(entries).map(Self)
+    }
 }
 
 fn all<'de, A: SeqAccess<'de>, T: Deserialize<'de>>(mut entries: A) -> Result<Vec<T>, A::Error> {
@@ -269,63 +232,40 @@ fn all<'de, A: SeqAccess<'de>, T: Deserialize<'de>>(mut entries: A) -> Result<Ve
     Ok(all)
 }
 
-impl<'de> Deserialize<'de> for ByComponent {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ByComponentVisitor)
-    }
+/// Reads exactly three entries. For another number the error names the `expected` value.
+fn three<'de, A: SeqAccess<'de>, T: Deserialize<'de>>(entries: A, expected: &'static str) -> Result<[T; 3], A::Error> {
+    all(entries)?.try_into().map_err(|all: Vec<T>| de::Error::invalid_length(all.len(), &expected))
 }
 
-struct ByComponentVisitor;
-
-impl<'de> Visitor<'de> for ByComponentVisitor {
-    type Value = ByComponent;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("one number, or three [x, y, z]")
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<ByComponent, E> {
-        Ok(ByComponent([value; 3]))
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<ByComponent, E> {
-        self.visit_f64(value as f64)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<ByComponent, A::Error> {
-        let numbers: [Number; 3] = three(entries, &self)?;
-        Ok(ByComponent(Three(numbers).numbers()))
-    }
-}
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for List<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ListVisitor(PhantomData))
-    }
-}
-
-struct ListVisitor<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for ListVisitor<T> {
-    type Value = List<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("an array; tables in one have headers in double brackets, as [[support]]")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, entries: A) -> Result<List<T>, A::Error> {
-        all(entries).map(List)
+/// Reads a value from two or three numbers.
+fn two_or_three<'de, A: SeqAccess<'de>, T>(
+    entries: A,
+    two: fn([f64; 2]) -> T,
+    three: fn([f64; 3]) -> T,
+    expected: &'static str,
+) -> Result<T, A::Error> {
+    let numbers: Vec<f64> = all::<_, Number>(entries)?.into_iter().map(|number| number.0).collect();
+    match numbers[..] {
+        [x, y, z] => Ok(three([x, y, z])),
+        [x, y] => Ok(two([x, y])),
+        _ => Err(de::Error::invalid_length(numbers.len(), &expected)),
     }
 }
 
 /// Schema of two or three numbers.
-fn two_or_three() -> Schema {
+fn schema_of_two_or_three() -> Schema {
     json_schema!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 3 })
 }
 
-/// Implements inline schemas for the types of values.
-macro_rules! inline_schema {
+/// Makes a type of values readable, with an inline schema.
+macro_rules! value {
     ($(@$t:ident)? $type:ty, $generator:ident => $schema:expr) => {
+        impl<'de $(, $t: Deserialize<'de>)?> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_any(ValueVisitor(PhantomData))
+            }
+        }
+
         impl$(<$t: JsonSchema>)? JsonSchema for $type {
             fn inline_schema() -> bool {
                 true
@@ -342,28 +282,28 @@ macro_rules! inline_schema {
     };
 }
 
-inline_schema!(Number, _generator => json_schema!({ "type": "number" }));
-inline_schema!(Whole, _generator => json_schema!({ "type": "integer" }));
-inline_schema!(WordOrWhole, _generator => json_schema!({ "type": ["string", "integer"] }));
-inline_schema!(FileOrPoints, _generator => json_schema!({
+value!(Number, _generator => json_schema!({ "type": "number" }));
+value!(Whole, _generator => json_schema!({ "type": "integer" }));
+value!(WordOrWhole, _generator => json_schema!({ "type": ["string", "integer"] }));
+value!(FileOrPoints, _generator => json_schema!({
     "anyOf": [
         { "type": "string" },
         { "type": "array", "items": { "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 } },
     ]
 }));
-inline_schema!(FileOrTerms, generator => {
+value!(FileOrTerms, generator => {
     let term = generator.subschema_for::<Term>();
     json_schema!({ "anyOf": [{ "type": "string" }, { "type": "array", "items": term }] })
 });
-inline_schema!(Edges, _generator => two_or_three());
-inline_schema!(SurfacePoint, _generator => two_or_three());
-inline_schema!(@T Three<T>, generator => {
+value!(Edges, _generator => schema_of_two_or_three());
+value!(SurfacePoint, _generator => schema_of_two_or_three());
+value!(@T Three<T>, generator => {
     json_schema!({ "type": "array", "items": generator.subschema_for::<T>(), "minItems": 3, "maxItems": 3 })
 });
-inline_schema!(ByComponent, _generator => json_schema!({
+value!(ByComponent, _generator => json_schema!({
     "anyOf": [
         { "type": "number" },
         { "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 },
     ]
 }));
-inline_schema!(@T List<T>, generator => json_schema!({ "type": "array", "items": generator.subschema_for::<T>() }));
+value!(@T List<T>, generator => json_schema!({ "type": "array", "items": generator.subschema_for::<T>() }));

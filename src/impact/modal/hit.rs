@@ -33,27 +33,41 @@ struct Reading {
     others: [f64; 4],
 }
 
+/// Linear forms on the real and the imaginary parts z of the modes, in rows.
+struct FormsOfModes {
+    /// `None` if only the imaginary parts contribute.
+    real: Option<DMatrix<f64>>,
+    imaginary: DMatrix<f64>,
+}
+
+/// The forms on z for stresses that are given for the displacements of the modes.
+fn forms_of_modes(modes: &Modes, moving: &DMatrix<f64>) -> FormsOfModes {
+    if let Some([places, _]) = &modes.forms.damped {
+        let stresses = places.times_from_left(moving);
+        return FormsOfModes { real: Some(stresses.map(|z| z.re)), imaginary: stresses.map(|z| -z.im) };
+    }
+    let frequencies = &modes.forms.frequencies;
+    let mut imaginary = moving.columns(0, frequencies.len()).into_owned();
+    for (mut column, frequency) in imaginary.column_iter_mut().zip(frequencies) {
+        column /= *frequency;
+    }
+    FormsOfModes { real: None, imaginary }
+}
+
 impl HitTension {
     /// Builds the forms from the modes of a body; `None` if the body has no such stresses. `multiplicity` is the number of
     /// equal parts of the whole body.
     pub fn new(modes: &Modes, multiplicity: f64) -> Option<Self> {
         let (shapes, local) = modes.hit_stress.as_ref()?;
-        let of_places = modes.forms.damped.as_ref().map(|[places, _]| places.times_from_left(&shapes.moving));
+        let forms = forms_of_modes(modes, &shapes.moving);
         let stresses = [0, 1, 2].map(|i| {
+            let row = |form: &DMatrix<f64>| form.row(i).iter().copied().collect();
             let [way, of_load] = &shapes.free;
-            let others = [way[i], of_load[i], shapes.residual[i], shapes.rest[i]];
-            let (real, imaginary) = match &of_places {
-                None => {
-                    let row = shapes.moving.row(i);
-                    let places = row.iter().zip(&modes.forms.frequencies).map(|(x, frequency)| x / frequency);
-                    (Vec::new(), places.collect())
-                }
-                Some(stresses) => {
-                    let row = stresses.row(i);
-                    (row.iter().map(|z| z.re).collect(), row.iter().map(|z| -z.im).collect())
-                }
-            };
-            Reading { real, imaginary, others }
+            Reading {
+                real: forms.real.as_ref().map_or_else(Vec::new, row),
+                imaginary: row(&forms.imaginary),
+                others: [way[i], of_load[i], shapes.residual[i], shapes.rest[i]],
+            }
         });
         Some(Self { stresses, local: local.map(|stress| multiplicity * stress) })
     }
@@ -91,24 +105,12 @@ impl WatchedStresses {
     /// number of equal parts of the whole body.
     pub fn new(modes: &Modes, multiplicity: f64, end: f64) -> Option<Self> {
         let (shapes, local) = modes.hit_stress.as_ref().filter(|(shapes, _)| shapes.moving.nrows() > 3)?;
-        let (count, watched) = (modes.forms.frequencies.len(), shapes.moving.nrows());
-        let moving = &shapes.moving;
+        let watched = shapes.moving.nrows();
         let mut of_force = shapes.residual.clone();
         (0..3).for_each(|i| of_force[i] += multiplicity * local[i]);
-        let mut blocks = match &modes.forms.damped {
-            Some([places, _]) => {
-                let stresses = places.times_from_left(moving);
-                vec![stresses.map(|z| z.re), stresses.map(|z| -z.im)]
-            }
-            None => {
-                let mut of_places = moving.clone();
-                for (mut column, frequency) in of_places.column_iter_mut().zip(&modes.forms.frequencies) {
-                    column /= *frequency;
-                }
-                vec![of_places.columns(0, count).into_owned()]
-            }
-        };
-        let has_damped_modes = blocks.len() > 1;
+        let forms = forms_of_modes(modes, &shapes.moving);
+        let has_damped_modes = forms.real.is_some();
+        let mut blocks: Vec<DMatrix<f64>> = forms.real.into_iter().chain([forms.imaginary]).collect();
         let [way, of_load] = &shapes.free;
         blocks.extend(
             [way, of_load, &of_force, &shapes.rest]

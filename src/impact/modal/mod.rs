@@ -125,22 +125,7 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     /// # Errors
     /// Same as [`TimeIntegration::run_watched`].
     pub fn run(&mut self, mut observe: impl FnMut(&Step) -> Result<ControlFlow<()>>) -> Result<ControlFlow<()>> {
-        self.observed(&mut observe)
-    }
-
-    /// Runs with an observer. All steps are computed before the first is passed on. After an interruption or a break of
-    /// the observer, all steps computed and read so far are still passed on.
-    fn observed(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
-        let Done { trace, mut steps, sizes, faces } = self.done(true, observer)?;
-        self.last = Some((trace, sizes));
-        self.read_faces(faces.as_ref(), &mut steps, observer);
-        let mut flow = ControlFlow::Continue(());
-        for step in &steps {
-            if self.gate.tell(step, observer)?.is_break() {
-                flow = ControlFlow::Break(());
-            }
-        }
-        Ok(flow)
+        self.run_watched(&mut observe)
     }
 
     /// Reads the tensions on the faces in the steps. An interruption leaves the steps that have been read; after an
@@ -171,11 +156,6 @@ impl<B: Borrow<ModalBody>> ModalImpact<B> {
     #[must_use]
     pub fn without_energies(self) -> Self {
         Self { has_energies: self.gate.is_set(), ..self }
-    }
-
-    /// Contact force of the last run, with its time steps.
-    pub fn force(&self) -> Option<&(Trace, Steps)> {
-        self.last.as_ref()
     }
 
     /// Computes only the contact force, in the given time steps or those of the scene; returns it with the time steps
@@ -339,6 +319,10 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
         self.count
     }
 
+    fn force(&self) -> Option<&(Trace, Steps)> {
+        self.last.as_ref()
+    }
+
     fn nodes(&self) -> Option<&[Vec3]> {
         None
     }
@@ -353,8 +337,19 @@ impl<B: Borrow<ModalBody>> TimeIntegration for ModalImpact<B> {
         Ok(())
     }
 
+    /// All steps are computed before the first is passed on. After an interruption or a break of the observer, all steps
+    /// computed and read so far are still passed on.
     fn run_watched(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
-        self.observed(observer)
+        let Done { trace, mut steps, sizes, faces } = self.done(true, observer)?;
+        self.last = Some((trace, sizes));
+        self.read_faces(faces.as_ref(), &mut steps, observer);
+        let mut flow = ControlFlow::Continue(());
+        for step in &steps {
+            if self.gate.tell(step, observer)?.is_break() {
+                flow = ControlFlow::Break(());
+            }
+        }
+        Ok(flow)
     }
 }
 

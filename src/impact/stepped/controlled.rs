@@ -13,22 +13,15 @@
 
 use std::ops::ControlFlow;
 
-use petsc_wrap::Comm;
-
-use crate::body::Body;
 use crate::error::{Error, Result};
 use crate::scene::Fault;
 
-use super::Count;
-use super::state::Moment;
+use super::SteppedImpact;
 use super::step_doubling::StepDoubling;
-use super::step_sizes::StepSizes;
 use super::trajectory::Trajectory;
 use crate::impact::checkpoint::{Checkpoint, Visitor};
-use crate::impact::gate::Gate;
 use crate::impact::observer::{Observed, Observer};
 use crate::impact::parameters::ImpactParameters;
-use crate::impact::reading::Reader;
 use crate::impact::step::at;
 
 /// Levels of the steps in contact, out of contact, and far away from the body: a step is 2^level times the base step.
@@ -57,36 +50,6 @@ const MIN_STEPS: f64 = 20.0;
 /// Limit of the number of steps of a run.
 const MOST_STEPS: f64 = 1e7;
 
-/// Parts of a run in controlled steps, except for the body.
-pub struct Controlled<'a> {
-    pub comm: &'a Comm,
-    pub parameters: &'a ImpactParameters,
-    pub step_sizes: &'a mut StepSizes,
-    pub gate: &'a mut Gate,
-    pub count: &'a mut Count,
-    pub reader: &'a mut Option<Reader>,
-    /// End of the run, s.
-    pub end: f64,
-    /// Allowed error of the acceleration over its peak.
-    pub tolerance: f64,
-    /// Order of the scheme, 1 or 2.
-    pub order: usize,
-}
-
-/// A state from which a run continues.
-pub struct Resumed {
-    doubling: StepDoubling,
-    /// Time up to which the smallest steps are taken, s.
-    careful: f64,
-}
-
-impl Resumed {
-    /// State of the fine trajectory.
-    pub(super) fn moment(&self) -> &Moment {
-        &self.doubling.fine.now
-    }
-}
-
 /// First guess of the step in contact, s.
 ///
 /// # Errors
@@ -104,99 +67,92 @@ pub(super) fn first_step(parameters: &ImpactParameters, tolerance: f64, end: f64
     Err(Fault::new("time.end", message, "an earlier end, a larger accuracy.tolerance, or a `time.step`").into())
 }
 
-impl Controlled<'_> {
+impl SteppedImpact {
     /// Restores the state of a checkpoint. Collective.
-    pub(super) fn resumed(&mut self, body: &mut Body, checkpoint: &Checkpoint) -> Result<Resumed> {
-        let (mut doubling, mut careful) = (StepDoubling::new(body, self.parameters)?, 0.0);
-        self.visit(&mut doubling, &mut careful, body, &mut Visitor::restore(checkpoint))?;
-        Ok(Resumed { doubling, careful })
+    pub(super) fn resumed(&mut self, checkpoint: &Checkpoint) -> Result<StepDoubling> {
+        let mut doubling = StepDoubling::new(&mut self.body, &self.parameters)?;
+        self.visit_doubling(&mut doubling, &mut Visitor::restore(checkpoint))?;
+        Ok(doubling)
     }
 
-    /// Runs to the end or until the observer breaks off, and returns which of the two, with the fine trajectory. The
+    /// Runs in steps of controlled size to the end or until the observer breaks off, and returns which of the two. The
     /// run starts from `resumed`, if it is given. Collective.
-    pub(super) fn run(
-        mut self,
-        body: &mut Body,
-        resumed: Option<Resumed>,
+    pub(super) fn run_in_controlled_steps(
+        &mut self,
+        resumed: Option<StepDoubling>,
         observer: &mut dyn Observer,
-    ) -> Result<(ControlFlow<()>, Trajectory)> {
-        if let Some(Resumed { mut doubling, careful }) = resumed {
-            let flow = self.advance_to_end(&mut doubling, careful, body, &mut None, observer)?;
-            return Ok((flow, doubling.fine));
-        }
-        let mut doubling = StepDoubling::new(body, self.parameters)?;
-        let start = doubling.fine.observed(body, self.parameters, self.reader)?;
-        if self.gate.tell(&start, observer)?.is_break() {
-            return Ok((ControlFlow::Break(()), doubling.fine));
-        }
+    ) -> Result<ControlFlow<()>> {
         // Steps that are not passed to the observer yet, because the first contact may be repeated.
-        let mut held = Some(Vec::new());
-        let ended = self.advance_to_end(&mut doubling, 0.0, body, &mut held, observer);
-        // All computed steps are passed on, whatever has ended the run.
-        for step in held.into_iter().flatten() {
-            let _ = self.gate.tell(&step, observer)?;
+        let mut held = resumed.is_none().then(Vec::new);
+        let mut flow = ControlFlow::Continue(());
+        let mut doubling = match resumed {
+            Some(doubling) => doubling,
+            None => {
+                let doubling = StepDoubling::new(&mut self.body, &self.parameters)?;
+                let start = doubling.fine.observed(&self.body, &self.parameters, &mut self.reader)?;
+                flow = self.gate.tell(&start, observer)?;
+                doubling
+            }
+        };
+        if flow.is_continue() {
+            let ended = self.advance_to_end(&mut doubling, &mut held, observer);
+            // All computed steps are passed on, whatever has ended the run.
+            for step in held.into_iter().flatten() {
+                let _ = self.gate.tell(&step, observer)?;
+            }
+            flow = ended?;
         }
-        Ok((ended?, doubling.fine))
+        self.trajectory = doubling.fine;
+        Ok(flow)
     }
 
     /// Saves the run to a checkpoint or restores it; only after the first contact has been accepted.
-    fn visit(
-        &mut self,
-        doubling: &mut StepDoubling,
-        careful: &mut f64,
-        body: &Body,
-        visitor: &mut Visitor,
-    ) -> Result<()> {
+    fn visit_doubling(&mut self, doubling: &mut StepDoubling, visitor: &mut Visitor) -> Result<()> {
         doubling.visit(visitor)?;
-        visitor.number("careful", careful)?;
-        visitor.within("ladder", |visitor| self.step_sizes.visit(visitor, body))?;
+        visitor.within("ladder", |visitor| self.step_sizes.visit(visitor, &self.body))?;
         self.gate.visit(visitor)?;
         self.count.visit(visitor)
     }
 
-    /// Integrates to the end. `careful` is the time (s) up to which the smallest steps are taken, after a larger step
-    /// led into contact.
+    /// Integrates to the end.
     fn advance_to_end(
         &mut self,
         doubling: &mut StepDoubling,
-        mut careful: f64,
-        body: &mut Body,
         held: &mut Option<Vec<Observed>>,
         observer: &mut dyn Observer,
     ) -> Result<ControlFlow<()>> {
-        let mut saved = StepDoubling::new(body, self.parameters)?;
+        let mut saved = StepDoubling::new(&mut self.body, &self.parameters)?;
         let (part, seen) = SEEN[self.order - 1];
         let mut restarts = 0;
         while !self.is_over(doubling) {
             if held.is_some() && observer.is_interrupted() {
                 return Ok(ControlFlow::Break(()));
             }
-            let level = if doubling.fine.time < careful { LEVELS[0] } else { self.level(doubling) };
+            let level = if doubling.fine.time < doubling.careful { LEVELS[0] } else { self.level(doubling) };
             if level > LEVELS[0] {
                 saved.copy_from(doubling)?;
             }
             let before = doubling.fine.time;
-            let advanced = self.advance(doubling, level, body);
+            let advanced = self.advance(doubling, level);
             let failed = matches!(&advanced, Err(Error::Solve(_) | Error::Unstable(_)));
             if level > LEVELS[0] && (failed || doubling.is_touching() || doubling.has_touched) {
-                careful = before + 2.0 * self.step_sizes.step(level);
+                doubling.careful = before + 2.0 * self.step_sizes.step(level);
                 doubling.copy_from(&saved)?;
                 continue;
             }
             if let (true, Some(steps)) = (failed && restarts < MOST_RESTARTS, held.as_mut()) {
                 restarts += 1;
                 steps.clear();
-                careful = 0.0;
-                *doubling = self.again(body, 0.5)?;
+                *doubling = self.again(0.5)?;
                 continue;
             }
             let mut told = advanced?;
-            doubling.compare(self.parameters, &told)?;
+            doubling.compare(&self.parameters, &told)?;
             let error = doubling.difference().map(|difference| part * difference);
             self.count.error = error;
             if let Some(steps) = held {
                 // Before the peak is reached, an error relative to the largest acceleration so far has no meaning.
-                let past_peak = doubling.fine.acceleration(self.parameters) < PAST * doubling.peak;
+                let past_peak = doubling.fine.acceleration(&self.parameters) < PAST * doubling.peak;
                 let complete = self.is_over(doubling) || (past_peak && !doubling.is_touching());
                 if let Some(error) = error.filter(|error| (past_peak || complete) && *error > self.tolerance) {
                     restarts += 1;
@@ -210,8 +166,7 @@ impl Controlled<'_> {
                         return Err(at(Error::Solve(message), doubling.fine.steps, doubling.fine.time));
                     }
                     steps.clear();
-                    careful = 0.0;
-                    *doubling = self.again(body, (AIM * self.tolerance / error).powf(1.0 / seen).clamp(0.1, 0.8))?;
+                    *doubling = self.again((AIM * self.tolerance / error).powf(1.0 / seen).clamp(0.1, 0.8))?;
                     continue;
                 }
                 steps.append(&mut told);
@@ -227,7 +182,11 @@ impl Controlled<'_> {
                 }
             }
             if held.is_none() {
-                self.settle(doubling, careful, body, (flow.is_break(), observer))?;
+                observer.settled(flow.is_break(), &mut || {
+                    let mut checkpoint = Checkpoint::default();
+                    self.visit_doubling(doubling, &mut Visitor::save(&mut checkpoint))?;
+                    Ok(checkpoint)
+                })?;
             }
             if flow.is_break() {
                 return Ok(flow);
@@ -236,23 +195,8 @@ impl Controlled<'_> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Offers the observer a checkpoint and tells it whether the run ends here.
-    fn settle(
-        &mut self,
-        doubling: &mut StepDoubling,
-        mut careful: f64,
-        body: &Body,
-        (interrupted, observer): (bool, &mut dyn Observer),
-    ) -> Result<()> {
-        observer.settled(interrupted, &mut || {
-            let mut checkpoint = Checkpoint::default();
-            self.visit(doubling, &mut careful, body, &mut Visitor::save(&mut checkpoint))?;
-            Ok(checkpoint)
-        })
-    }
-
     /// Restarts from the initial state, in steps smaller by a factor. Collective.
-    fn again(&mut self, body: &mut Body, factor: f64) -> Result<StepDoubling> {
+    fn again(&mut self, factor: f64) -> Result<StepDoubling> {
         let base = factor * self.step_sizes.step(LEVELS[0]);
         tracing::info!(base, "the first contact again, in smaller steps");
         if self.end / base > MOST_STEPS {
@@ -262,7 +206,7 @@ impl Controlled<'_> {
             )));
         }
         self.step_sizes.rebase(base)?;
-        let doubling = StepDoubling::new(body, self.parameters)?;
+        let doubling = StepDoubling::new(&mut self.body, &self.parameters)?;
         self.comm.collect_garbage()?;
         Ok(doubling)
     }
@@ -290,23 +234,23 @@ impl Controlled<'_> {
     }
 
     /// Takes two steps of the fine trajectory, which are returned, and one step of the coarse one.
-    fn advance(&mut self, doubling: &mut StepDoubling, level: usize, body: &mut Body) -> Result<Vec<Observed>> {
+    fn advance(&mut self, doubling: &mut StepDoubling, level: usize) -> Result<Vec<Observed>> {
         let mut told = Vec::with_capacity(2);
         doubling.has_touched = false;
         for _ in 0..2 {
-            self.step(&mut doubling.fine, level, body)?;
-            told.push(doubling.fine.observed(body, self.parameters, self.reader)?);
+            self.step(&mut doubling.fine, level)?;
+            told.push(doubling.fine.observed(&self.body, &self.parameters, &mut self.reader)?);
             doubling.has_touched |= doubling.fine.now.approach > 0.0;
         }
-        self.step(&mut doubling.coarse, level + 1, body)?;
+        self.step(&mut doubling.coarse, level + 1)?;
         Ok(told)
     }
 
     /// Advances a trajectory by one step of a level.
-    fn step(&mut self, trajectory: &mut Trajectory, level: usize, body: &mut Body) -> Result<()> {
-        let stepper = self.step_sizes.at(level, body)?;
-        let time = trajectory.time + stepper.step();
-        self.count.iterations += trajectory.advance(stepper, time, body, self.parameters)?;
+    fn step(&mut self, trajectory: &mut Trajectory, level: usize) -> Result<()> {
+        let time = trajectory.time + self.step_sizes.step(level);
+        let stepper = self.step_sizes.at(level, &self.body)?;
+        self.count.iterations += trajectory.advance(stepper, time, &mut self.body, &self.parameters)?;
         self.count.solves += 1;
         Ok(())
     }

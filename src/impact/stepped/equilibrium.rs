@@ -18,6 +18,7 @@ use super::implicit::ImplicitStepper;
 use super::initial::{self, unbalanced};
 use super::line_search::step_length;
 use super::state::{Impactor, Moment};
+use super::step_sizes::Stepper;
 use crate::impact::parameters::ImpactParameters;
 
 /// Time steps Δt, s: ε = 4/Δt². Long steps come first and bring slow vibrations to rest; shorter steps then reduce the

@@ -12,6 +12,7 @@ use super::energy_balance::{Exchange, Work, exchange};
 use super::relaxation::Relaxed;
 use super::stable_step::stable_step;
 use super::state::{Impactor, Moment};
+use super::step_sizes::Stepper;
 use crate::impact::parameters::ImpactParameters;
 
 /// Step taken if none is given, relative to the estimated stability limit. The margin covers the uncertainty of the
@@ -33,18 +34,18 @@ impl ExplicitStepper {
         let pads = body.pads.as_ref().map(|_| zeros()).transpose()?;
         Ok(Self { scheme: CentralDifference { step }, half: zeros()?, force: zeros()?, pads })
     }
+}
 
-    /// Takes a step: writes the state at its end and returns the energies exchanged over it. Collective.
-    ///
+impl Stepper for ExplicitStepper {
     /// # Panics
     /// If the body has no lumped mass.
-    pub(super) fn advance(
+    fn advance(
         &mut self,
         body: &mut Body,
         parameters: &ImpactParameters,
         from: &Moment,
         to: &mut Moment,
-    ) -> Result<Exchange> {
+    ) -> Result<(Exchange, usize)> {
         let (scheme, state) = (self.scheme, &from.state);
         predict(scheme, from, to, &mut self.half)?;
         let (position, q_half) = scheme.predict(state.q.position, state.q.velocity, state.q.acceleration);
@@ -89,7 +90,8 @@ impl ExplicitStepper {
         let work =
             Work { increment: &self.half, force, damping, relaxed: Relaxed::default(), pads: self.pads.as_ref() };
         let family = Implicit { beta: 0.0, ..newmark(0.25, 0.5) };
-        exchange(body, parameters, (&family, scheme.step), (from, to), work, &mut self.force)
+        let exchange = exchange(body, parameters, (&family, scheme.step), (from, to), work, &mut self.force)?;
+        Ok((exchange, 0))
     }
 }
 

@@ -13,6 +13,7 @@ use super::full::Full;
 use super::pad_condensed;
 use super::relaxation::{Relaxed, Relaxing};
 use super::state::{Impactor, Moment, State};
+use super::step_sizes::Stepper;
 use crate::impact::checkpoint::Visitor;
 use crate::impact::parameters::ImpactParameters;
 
@@ -142,15 +143,69 @@ impl ImplicitStepper {
         Ok(Self { scheme, step, solver, known, work, pads, relaxing, damped, may_follow, is_direct, followed: 0 })
     }
 
-    /// Saves the memory of previous steps to a checkpoint or restores it. (The factors kept by the full Newton's method
-    /// and by the pads are not saved; the solution is reproduced within the tolerance.)
-    pub(super) fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
-        visitor.count("followed", &mut self.followed)
+    /// Computes the products at the end of a step from the products at its start. `known` contains g, `work` D, and F is
+    /// the contact force. The solved equation S E = g + a F with E = θ D gives K D = (g + a F)/θ − c1 C D − c2 M D. Of
+    /// the large matrices only M is applied, which couples no displacement components. It is applied to ü, because M ü
+    /// carried on from step to step would accumulate a growing error.
+    fn follow(
+        &mut self,
+        body: &Body,
+        parameters: &ImpactParameters,
+        (from, to): (&Moment, &mut Moment),
+        force: f64,
+    ) -> Result<()> {
+        let (stage, end, theta) = (self.scheme.stage(self.step), self.scheme.end(self.step), self.scheme.theta());
+        let (before, after) = (&from.products, &mut to.products);
+        body.apply_mass(&to.state.a, &mut to.inertia)?;
+        body.clamps.zero(&mut to.inertia)?;
+        after.update_of_surface(body, &to.state)?;
+        // M D from ü = c2 D + a[0] u̇_n + a[1] ü_n.
+        let factor = 1.0 / end.c2;
+        let of_mass: [(f64, &VectorView); 3] =
+            [(factor, &to.inertia), (-end.a[0] * factor, &before.momentum), (-end.a[1] * factor, &from.inertia)];
+        let mut terms: Vec<(f64, &VectorView)> =
+            vec![(1.0, &before.elastic), (1.0 / theta, &self.known), (force / theta, &body.terms.contact.force)];
+        terms.extend(of_mass.map(|(factor, term)| (-stage.c2 * factor, term)));
+        if let (Some(before), Some(after)) = (&before.support, &after.support) {
+            terms.extend([(1.0, &**before), (-1.0, after)]);
+        }
+        if let (Some(matrix), Some(before), Some(after)) = (&body.terms.damping, &before.damping, &after.damping) {
+            if end.v[1] == 0.0 {
+                // C D from u̇ = c1 D + v[0] u̇_n.
+                let factor = stage.c1 / end.c1;
+                terms.extend([(-factor, &**after), (factor * end.v[0], before)]);
+            } else {
+                matrix.mult(&self.work, &mut self.damped)?;
+                terms.push((-stage.c1, &self.damped));
+            }
+        }
+        after.elastic.set_combination(&terms)?;
+        body.clamps.zero(&mut after.elastic)?;
+        let ratio = end.c1 / end.c2;
+        let of_old = [0, 1].map(|i| end.v[i] - ratio * end.a[i]);
+        after.momentum.set_combination(&[
+            (ratio, &to.inertia),
+            (of_old[0], &before.momentum),
+            (of_old[1], &from.inertia),
+        ])?;
+        to.place(body, parameters.gap)
     }
 
-    /// Takes a step and writes the state at its end. Returns the exchanged energies and the number of Newton
-    /// iterations. Collective.
-    pub(super) fn advance(
+    /// Computes u, u̇ and ü at the end of a step from D in `work`.
+    fn end(&self, from: &Moment, to: &mut State, impactor: f64) -> Result<()> {
+        let (state, end) = (&from.state, self.scheme.end(self.step));
+        to.u.set_combination(&[(1.0, &state.u), (1.0, &self.work)])?;
+        for (out, (c, [of_v, of_a])) in [(&mut to.v, (end.c1, end.v)), (&mut to.a, (end.c2, end.a))] {
+            out.set_combination(&[(of_v, &*state.v), (of_a, &state.a), (c, &self.work)])?;
+        }
+        let (velocity, acceleration) = end.apply(impactor, state.q.velocity, state.q.acceleration);
+        to.q = Impactor { position: state.q.position + impactor, velocity, acceleration };
+        Ok(())
+    }
+}
+
+impl Stepper for ImplicitStepper {
+    fn advance(
         &mut self,
         body: &mut Body,
         parameters: &ImpactParameters,
@@ -251,63 +306,9 @@ impl ImplicitStepper {
         Ok((exchange, solved.iterations))
     }
 
-    /// Computes the products at the end of a step from the products at its start. `known` contains g, `work` D, and F is
-    /// the contact force. The solved equation S E = g + a F with E = θ D gives K D = (g + a F)/θ − c1 C D − c2 M D. Of
-    /// the large matrices only M is applied, which couples no displacement components. It is applied to ü, because M ü
-    /// carried on from step to step would accumulate a growing error.
-    fn follow(
-        &mut self,
-        body: &Body,
-        parameters: &ImpactParameters,
-        (from, to): (&Moment, &mut Moment),
-        force: f64,
-    ) -> Result<()> {
-        let (stage, end, theta) = (self.scheme.stage(self.step), self.scheme.end(self.step), self.scheme.theta());
-        let (before, after) = (&from.products, &mut to.products);
-        body.apply_mass(&to.state.a, &mut to.inertia)?;
-        body.clamps.zero(&mut to.inertia)?;
-        after.update_of_surface(body, &to.state)?;
-        // M D from ü = c2 D + a[0] u̇_n + a[1] ü_n.
-        let factor = 1.0 / end.c2;
-        let of_mass: [(f64, &VectorView); 3] =
-            [(factor, &to.inertia), (-end.a[0] * factor, &before.momentum), (-end.a[1] * factor, &from.inertia)];
-        let mut terms: Vec<(f64, &VectorView)> =
-            vec![(1.0, &before.elastic), (1.0 / theta, &self.known), (force / theta, &body.terms.contact.force)];
-        terms.extend(of_mass.map(|(factor, term)| (-stage.c2 * factor, term)));
-        if let (Some(before), Some(after)) = (&before.support, &after.support) {
-            terms.extend([(1.0, &**before), (-1.0, after)]);
-        }
-        if let (Some(matrix), Some(before), Some(after)) = (&body.terms.damping, &before.damping, &after.damping) {
-            if end.v[1] == 0.0 {
-                // C D from u̇ = c1 D + v[0] u̇_n.
-                let factor = stage.c1 / end.c1;
-                terms.extend([(-factor, &**after), (factor * end.v[0], before)]);
-            } else {
-                matrix.mult(&self.work, &mut self.damped)?;
-                terms.push((-stage.c1, &self.damped));
-            }
-        }
-        after.elastic.set_combination(&terms)?;
-        body.clamps.zero(&mut after.elastic)?;
-        let ratio = end.c1 / end.c2;
-        let of_old = [0, 1].map(|i| end.v[i] - ratio * end.a[i]);
-        after.momentum.set_combination(&[
-            (ratio, &to.inertia),
-            (of_old[0], &before.momentum),
-            (of_old[1], &from.inertia),
-        ])?;
-        to.place(body, parameters.gap)
-    }
-
-    /// Computes u, u̇ and ü at the end of a step from D in `work`.
-    fn end(&self, from: &Moment, to: &mut State, impactor: f64) -> Result<()> {
-        let (state, end) = (&from.state, self.scheme.end(self.step));
-        to.u.set_combination(&[(1.0, &state.u), (1.0, &self.work)])?;
-        for (out, (c, [of_v, of_a])) in [(&mut to.v, (end.c1, end.v)), (&mut to.a, (end.c2, end.a))] {
-            out.set_combination(&[(of_v, &*state.v), (of_a, &state.a), (c, &self.work)])?;
-        }
-        let (velocity, acceleration) = end.apply(impactor, state.q.velocity, state.q.acceleration);
-        to.q = Impactor { position: state.q.position + impactor, velocity, acceleration };
-        Ok(())
+    /// The factors kept by the full Newton's method and by the pads are not saved; the solution is reproduced within
+    /// the tolerance.
+    fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
+        visitor.count("followed", &mut self.followed)
     }
 }

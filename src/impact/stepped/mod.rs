@@ -36,11 +36,11 @@ use crate::impact::reading::{Reader, Readout};
 use crate::impact::step::Step;
 use crate::impact::time_integration::{Count, TimeIntegration};
 
-use controlled::Controlled;
 pub use implicit::Method;
 pub use plan::{Plan, steps};
 pub use stable_step::stable_step;
 pub use state::{Impactor, State};
+use step_doubling::StepDoubling;
 use step_sizes::StepSizes;
 use trajectory::Trajectory;
 
@@ -81,6 +81,8 @@ pub struct SteppedImpact {
     gate: Gate,
     end: f64,
     plan: Plan,
+    /// Allowed error of the acceleration over its peak, for steps of controlled size.
+    tolerance: f64,
     trajectory: Trajectory,
     /// Order of accuracy of the scheme, 1 or 2.
     order: usize,
@@ -97,7 +99,7 @@ enum Resumed {
     /// The state reached, for steps of equal size.
     Equal,
     /// A state of a run in steps of controlled size.
-    Chosen(Box<controlled::Resumed>),
+    Chosen(Box<StepDoubling>),
 }
 
 impl SteppedImpact {
@@ -124,6 +126,7 @@ impl SteppedImpact {
             gate: Gate::new(scene),
             end,
             plan,
+            tolerance: scene.tolerance,
             trajectory: Trajectory::new(&mut body, &parameters)?,
             comm: comm.clone(),
             body,
@@ -161,15 +164,6 @@ impl SteppedImpact {
     /// If a PETSc call fails.
     pub fn set_state(&mut self, state: State) -> Result<()> {
         self.trajectory.set_state(state, &mut self.body, &self.parameters)
-    }
-
-    /// Returns the integration in steps of controlled size, and the body; `None` for steps of equal size.
-    fn controlled(&mut self) -> Option<(Controlled<'_>, &mut Body)> {
-        let Plan::Controlled { tolerance, .. } = self.plan else { return None };
-        let Self { comm, body, parameters, step_sizes, gate, count, reader, end, order, .. } = self;
-        let (end, order) = (*end, *order);
-        let controlled = Controlled { comm, parameters, step_sizes, gate, count, reader, end, tolerance, order };
-        Some((controlled, body))
     }
 
     /// Runs with a closure as the observer; see [`TimeIntegration::run_watched`].
@@ -243,15 +237,14 @@ impl TimeIntegration for SteppedImpact {
 
     /// Returns [`Error::Output`] for a checkpoint of another kind of run or on another basis.
     fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
-        self.resumed = match self.controlled() {
-            Some((mut controlled, body)) => Resumed::Chosen(Box::new(controlled.resumed(body, checkpoint)?)),
-            None => {
-                self.visit(&mut Visitor::restore(checkpoint))?;
-                Resumed::Equal
-            }
+        self.resumed = if matches!(self.plan, Plan::Controlled { .. }) {
+            Resumed::Chosen(Box::new(self.resumed(checkpoint)?))
+        } else {
+            self.visit(&mut Visitor::restore(checkpoint))?;
+            Resumed::Equal
         };
         let moment = match &self.resumed {
-            Resumed::Chosen(resumed) => resumed.moment(),
+            Resumed::Chosen(doubling) => &doubling.fine.now,
             _ => &self.trajectory.now,
         };
         // The last vectors of a basis depend on rounding, which differs with the number of ranks.
@@ -264,10 +257,10 @@ impl TimeIntegration for SteppedImpact {
 
     fn run_watched(&mut self, observer: &mut dyn Observer) -> Result<ControlFlow<()>> {
         let resumed = std::mem::replace(&mut self.resumed, Resumed::No);
-        let Some((controlled, body)) = self.controlled() else { return self.run_in_equal_steps(resumed, observer) };
-        let resumed = if let Resumed::Chosen(moment) = resumed { Some(*moment) } else { None };
-        let (flow, trajectory) = controlled.run(body, resumed, observer)?;
-        self.trajectory = trajectory;
-        Ok(flow)
+        match (self.plan, resumed) {
+            (Plan::Equal { .. }, resumed) => self.run_in_equal_steps(resumed, observer),
+            (_, Resumed::Chosen(doubling)) => self.run_in_controlled_steps(Some(*doubling), observer),
+            _ => self.run_in_controlled_steps(None, observer),
+        }
     }
 }

@@ -16,6 +16,8 @@ pub struct StepDoubling {
     pub fine: Trajectory,
     /// Trajectory in steps of double size.
     pub coarse: Trajectory,
+    /// Time up to which the smallest steps are taken, after a larger step led into contact, s.
+    pub careful: f64,
     /// Whether the fine trajectory has been in contact in the last two steps.
     pub has_touched: bool,
     /// Largest acceleration so far, and largest difference of the two accelerations so far, m/s².
@@ -32,7 +34,7 @@ impl StepDoubling {
     pub(super) fn new(body: &mut Body, parameters: &ImpactParameters) -> Result<Self> {
         let [fine, coarse] = [Trajectory::new(body, parameters)?, Trajectory::new(body, parameters)?];
         let mean = if body.is_free()? { Some(mean_displacement(body)?) } else { None };
-        Ok(Self { fine, coarse, has_touched: false, peak: 0.0, difference: 0.0, surface: [0.0; 2], mean })
+        Ok(Self { fine, coarse, careful: 0.0, has_touched: false, peak: 0.0, difference: 0.0, surface: [0.0; 2], mean })
     }
 
     pub(super) fn copy_from(&mut self, other: &Self) -> Result<()> {
@@ -45,8 +47,13 @@ impl StepDoubling {
         visitor.within("fine", |visitor| self.fine.visit(visitor))?;
         visitor.within("coarse", |visitor| self.coarse.visit(visitor))?;
         let [low, high] = &mut self.surface;
-        let numbers =
-            [("peak", &mut self.peak), ("difference", &mut self.difference), ("lowest", low), ("highest", high)];
+        let numbers = [
+            ("peak", &mut self.peak),
+            ("difference", &mut self.difference),
+            ("lowest", low),
+            ("highest", high),
+            ("careful", &mut self.careful),
+        ];
         numbers.into_iter().try_for_each(|(name, number)| visitor.number(name, number))
     }
 

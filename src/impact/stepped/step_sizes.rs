@@ -15,46 +15,23 @@ use crate::impact::checkpoint::Visitor;
 use crate::impact::parameters::ImpactParameters;
 
 /// A scheme at one step size.
-pub struct Stepper {
-    step: f64,
-    kind: Kind,
-}
-
-enum Kind {
-    Implicit(Box<ImplicitStepper>),
-    Explicit(ExplicitStepper),
-}
-
-impl Stepper {
-    /// Step size Δt, s.
-    pub(super) fn step(&self) -> f64 {
-        self.step
-    }
-
-    /// Saves the memory of previous steps to a checkpoint or restores it.
-    fn visit(&mut self, visitor: &mut Visitor) -> Result<()> {
-        match &mut self.kind {
-            Kind::Implicit(stepper) => stepper.visit(visitor),
-            Kind::Explicit(_) => Ok(()),
-        }
-    }
-
+pub trait Stepper {
     /// Takes a step and writes the state at its end. Returns the energies exchanged over it, and the number of Newton
     /// iterations. Collective.
     ///
     /// # Errors
     /// [`crate::Error::Solve`] if the step cannot be solved; if a PETSc call fails.
-    pub(super) fn advance(
+    fn advance(
         &mut self,
         body: &mut Body,
         parameters: &ImpactParameters,
         from: &Moment,
         to: &mut Moment,
-    ) -> Result<(Exchange, usize)> {
-        match &mut self.kind {
-            Kind::Implicit(stepper) => stepper.advance(body, parameters, from, to),
-            Kind::Explicit(stepper) => Ok((stepper.advance(body, parameters, from, to)?, 0)),
-        }
+    ) -> Result<(Exchange, usize)>;
+
+    /// Saves the memory of previous steps to a checkpoint or restores it.
+    fn visit(&mut self, _visitor: &mut Visitor) -> Result<()> {
+        Ok(())
     }
 }
 
@@ -68,7 +45,7 @@ pub struct StepSizes {
     tolerance: f64,
     /// Step size of level 0, s.
     base: f64,
-    steppers: Vec<Option<Stepper>>,
+    steppers: Vec<Option<Box<dyn Stepper>>>,
 }
 
 impl StepSizes {
@@ -91,29 +68,22 @@ impl StepSizes {
     ///
     /// # Errors
     /// If a PETSc call fails.
-    pub(super) fn at(&mut self, level: usize, body: &Body) -> Result<&mut Stepper> {
+    pub(super) fn at(&mut self, level: usize, body: &Body) -> Result<&mut dyn Stepper> {
         if self.steppers.len() <= level {
             self.steppers.resize_with(level + 1, || None);
         }
         let step = self.step(level);
         let slot = &mut self.steppers[level];
         if slot.is_none() {
-            let kind = match Implicit::new(self.scheme) {
+            *slot = Some(match Implicit::new(self.scheme) {
                 Some(scheme) => {
                     let newton = (self.newton, self.tolerance);
-                    Kind::Implicit(Box::new(ImplicitStepper::new(
-                        &self.comm,
-                        body,
-                        &self.parameters,
-                        (scheme, step),
-                        newton,
-                    )?))
+                    Box::new(ImplicitStepper::new(&self.comm, body, &self.parameters, (scheme, step), newton)?)
                 }
-                None => Kind::Explicit(ExplicitStepper::new(body, step)?),
-            };
-            *slot = Some(Stepper { step, kind });
+                None => Box::new(ExplicitStepper::new(body, step)?),
+            });
         }
-        Ok(slot.as_mut().expect("just set up"))
+        Ok(&mut **slot.as_mut().expect("just set up"))
     }
 
     /// Saves the base step and the memory of the steppers to a checkpoint or restores them; on restoring, missing

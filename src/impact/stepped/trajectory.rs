@@ -43,7 +43,7 @@ impl Trajectory {
     /// [`crate::Error::Unstable`] if the motion has blown up; if a PETSc call fails.
     pub(super) fn advance(
         &mut self,
-        stepper: &mut Stepper,
+        stepper: &mut dyn Stepper,
         time: f64,
         body: &mut Body,
         parameters: &ImpactParameters,

@@ -141,7 +141,7 @@ pub(super) fn law(
 }
 
 fn power(source: &Source, raw: &raw::Contact) -> Result<ForceLaw, SceneError> {
-    let required = |key: &str, help: &str| source.error(&format!("contact.{key}"), "this key is required", help);
+    let required = |key: &str, help: &str| source.required(&format!("contact.{key}"), help);
     let help = "the exponent of the indentation, 1 or more";
     let Number(exponent) = raw.exponent.ok_or_else(|| required("exponent", help))?;
     if !(1.0..=LARGEST_EXPONENT).contains(&exponent) {
@@ -169,13 +169,7 @@ fn points(source: &Source, raw: &raw::Contact) -> Result<Table, SceneError> {
     let path = "contact.table";
     let wrong = |message: String| source.error(path, message, HELP_OF_TABLE);
     let points = match &raw.table {
-        None => {
-            return Err(source.error(
-                path,
-                "this key is required",
-                "a file with columns indentation (m) and force (N)",
-            ));
-        }
+        None => return Err(source.required(path, "a file with columns indentation (m) and force (N)")),
         Some(FileOrPoints::Points(points)) => points.clone(),
         Some(FileOrPoints::File(name)) => table::read(&source.folder().join(name)).map_err(wrong)?,
     };

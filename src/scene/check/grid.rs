@@ -3,7 +3,6 @@
 use super::super::values::{ByComponent, Three, Whole};
 use super::super::{Composition, Contact, Impactor, Parts, SceneError, Source, Vec3, faces, layout, raw};
 use super::layers;
-use super::numbers::show;
 
 /// Largest number of hexahedra in a box. Quadratic ones have 24 unknowns each, so that all unknowns fit in 32-bit
 /// indices with room to spare.
@@ -87,14 +86,12 @@ fn whole_cells(source: &Source, Three(given): Three<Whole>) -> Result<[usize; 3]
 
 fn ratios(source: &Source, ByComponent(ratios): ByComponent) -> Result<Vec3, SceneError> {
     let path = "body.grading";
+    let help = format!("the largest cell edge over the smallest, from 1 to {LARGEST_RATIO}; 1 is uniform");
     source.finite(path, &ratios)?;
-    match ratios.iter().find(|ratio| !(1.0..=LARGEST_RATIO).contains(*ratio)) {
-        Some(ratio) => {
-            let help = format!("the largest cell edge over the smallest, from 1 to {LARGEST_RATIO}; 1 is uniform");
-            Err(source.error(path, format!("{} is out of range", show(*ratio)), help))
-        }
-        None => Ok(ratios),
+    for ratio in ratios {
+        source.in_range(path, ratio, 1.0..=LARGEST_RATIO, help.as_str())?;
     }
+    Ok(ratios)
 }
 
 /// Default cells.

@@ -1,5 +1,7 @@
 //! Checks the impactor: mass, radius, speed, impact point, direction and contact stiffness.
 
+use std::ops::Bound;
+
 use super::super::impactor::HEAVIEST;
 use super::super::values::{Number, SurfacePoint, Three};
 use super::super::{Composition, Impactor, STANDARD_GRAVITY, SceneError, Source, Vec3, faces, raw};
@@ -74,9 +76,7 @@ fn speed(source: &Source, raw: &raw::Impactor, falls: bool) -> Result<f64, Scene
             let height = source.positive("impactor.drop_height", height, "the height in m of a free fall from rest")?;
             Ok((2.0 * STANDARD_GRAVITY * height).sqrt())
         }
-        (None, None) => {
-            Err(source.error("impactor.speed", "this key is required", "a speed in m/s, or `drop_height` in m"))
-        }
+        (None, None) => Err(source.required("impactor.speed", "a speed in m/s, or `drop_height` in m")),
         (Some(_), Some(_)) => {
             let help = "take one of the two out; a sweep or --set can vary the one that the scene gives".into();
             let message = "the speed is given twice".into();
@@ -91,11 +91,8 @@ fn elastic_constants(source: &Source, raw: &raw::Impactor) -> Result<(), SceneEr
         source.positive("impactor.young", young, "Young's modulus in Pa")?;
     }
     if let Some(Number(poisson)) = raw.poisson {
-        source.finite("impactor.poisson", &[poisson])?;
-        if !(poisson > -1.0 && poisson <= 0.5) {
-            let message = format!("{poisson} is out of range");
-            return Err(source.error("impactor.poisson", message, "above -1 and at most 0.5"));
-        }
+        let range = (Bound::Excluded(-1.0), Bound::Included(0.5));
+        source.in_range("impactor.poisson", poisson, range, "above -1 and at most 0.5")?;
     }
     Ok(())
 }
@@ -109,7 +106,7 @@ fn stiffness(
 ) -> Result<f64, SceneError> {
     let Some(radius) = radius else {
         let help = "the radius R of the rounded end in m";
-        return Err(source.error("impactor.radius", "this key is required", help));
+        return Err(source.required("impactor.radius", help));
     };
     if let Some(Number(stiffness)) = raw.stiffness {
         let help = "the contact stiffness k0 in N/m^1.5; left out, it follows from (15)";
@@ -117,7 +114,7 @@ fn stiffness(
     }
     let required = |key: &str| {
         let help = "give `young` and `poisson` for (15), or the contact stiffness itself as `stiffness`";
-        source.error(&format!("impactor.{key}"), "this key is required", help)
+        source.required(&format!("impactor.{key}"), help)
     };
     let Number(young) = raw.young.ok_or_else(|| required("young"))?;
     let Number(poisson) = raw.poisson.ok_or_else(|| required("poisson"))?;

@@ -1,6 +1,7 @@
 //! Checks the materials that have names: moduli, relaxation, temperature shift.
 
 use std::collections::BTreeMap;
+use std::ops::Bound;
 
 use super::super::raw::{self, Term};
 use super::super::values::{FileOrTerms, Number};
@@ -61,7 +62,7 @@ fn one(source: &Source, path: &str, raw: &raw::Material, temperature: Option<f64
     let key = |name: &str| format!("{path}.{name}");
     let density = source.positive(&key("density"), raw.density.0, "the density in kg/m3, as 2500 for glass")?;
     let poisson = raw.poisson.map(|Number(value)| poisson(source, &key("poisson"), value)).transpose()?;
-    let required = |name: &str, help: &str| source.error(&key(name), "this key is required", help);
+    let required = |name: &str, help: &str| source.required(&key(name), help);
     let doubled = |name: &str, with: &str| {
         let message = format!("the moduli are given twice: by `{with}` and by `{name}`");
         let help = "`young` and `poisson`, or `shear` and one of `bulk` and `poisson`".to_owned();
@@ -112,12 +113,8 @@ fn one(source: &Source, path: &str, raw: &raw::Material, temperature: Option<f64
 
 /// Poisson's ratio, checked to be in its range.
 pub(super) fn poisson(source: &Source, path: &str, value: f64) -> Result<f64, SceneError> {
-    source.finite(path, &[value])?;
-    if value > -1.0 && value < 0.5 {
-        return Ok(value);
-    }
     let help = "between -1 and 0.5, both excluded: at 0.5 the material is incompressible and λ of (5) infinite";
-    Err(source.error(path, format!("{value} is out of range"), help))
+    source.in_range(path, value, (Bound::Excluded(-1.0), Bound::Excluded(0.5)), help)
 }
 
 /// Refuses a temperature shift if there are no relaxation times.

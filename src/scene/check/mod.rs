@@ -123,25 +123,15 @@ pub(super) fn scene(source: &Source, folder: &Path) -> Result<Scene, SceneError>
 }
 
 fn tolerance(source: &Source, raw: &raw::Accuracy) -> Result<f64, SceneError> {
-    let path = "accuracy.tolerance";
     let Number(tolerance) = raw.tolerance.unwrap_or(Number(1e-2));
-    source.finite(path, &[tolerance])?;
-    if (1e-6..=0.5).contains(&tolerance) {
-        return Ok(tolerance);
-    }
     let help = "from 1e-6 to 0.5: the error of the acceleration history over its peak";
-    Err(source.error(path, format!("{} is out of range", numbers::show(tolerance)), help))
+    source.in_range("accuracy.tolerance", tolerance, 1e-6..=0.5, help)
 }
 
 fn cell_factor(source: &Source, raw: &raw::Accuracy) -> Result<f64, SceneError> {
-    let path = "accuracy.cell_factor";
     let Number(factor) = raw.cell_factor.unwrap_or(Number(1.0));
-    source.finite(path, &[factor])?;
-    if (0.1..=10.0).contains(&factor) {
-        return Ok(factor);
-    }
     let help = "from 0.1 to 10: 0.5 halves the size of all cells that are chosen automatically";
-    Err(source.error(path, format!("{} is out of range", numbers::show(factor)), help))
+    source.in_range("accuracy.cell_factor", factor, 0.1..=10.0, help)
 }
 
 fn solver(source: &Source, raw: &raw::Solver) -> Result<Solver, SceneError> {

@@ -1,6 +1,6 @@
 //! Checks of single numbers and short lists of numbers.
 
-use std::ops::RangeInclusive;
+use std::ops::{RangeBounds, RangeInclusive};
 
 use super::super::{SceneError, Source, Vec3};
 
@@ -24,6 +24,26 @@ impl Source {
             Some(value) => Err(self.error(path, format!("{value} is not finite"), "a finite number")),
             None => Ok(()),
         }
+    }
+
+    /// Returns the value if it is finite and in `range`.
+    pub(super) fn in_range(
+        &self,
+        path: &str,
+        value: f64,
+        range: impl RangeBounds<f64>,
+        help: impl Into<String>,
+    ) -> Result<f64, SceneError> {
+        self.finite(path, &[value])?;
+        if range.contains(&value) {
+            return Ok(value);
+        }
+        Err(self.error(path, format!("{} is out of range", show(value)), help))
+    }
+
+    /// An error for a key that the scene needs together with others.
+    pub(super) fn required(&self, path: &str, help: &str) -> SceneError {
+        self.error(path, "this key is required", help)
     }
 
     /// Returns the value if it is finite and positive. `help` says its meaning and its unit.

@@ -79,7 +79,7 @@ fn stiffness(source: &Source, raw: &raw::Support, path: &str) -> Result<Vec3, Sc
     let help = "a stiffness k in N/m3, 0 or more: one number, or three [kx, ky, kz]";
     match raw.stiffness {
         Some(ByComponent(value)) => source.not_negative(path, value, help),
-        None => Err(source.error(path, "this key is required", help)),
+        None => Err(source.required(path, help)),
     }
 }
 

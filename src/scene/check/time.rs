@@ -1,5 +1,7 @@
 //! Checks the end of the run, the time step and the scheme.
 
+use std::ops::Bound;
+
 use super::super::values::Number;
 use super::super::{Initial, Load, SceneError, Scheme, Source, Support, Time, raw};
 use super::numbers::show;
@@ -79,11 +81,8 @@ fn scheme(source: &Source, raw: &raw::Time) -> Result<Scheme, SceneError> {
         "newmark" | "modal" => newmark(source, raw),
         "generalized-alpha" => {
             let Number(rho_inf) = raw.rho_inf.unwrap_or(Number(0.8));
-            source.finite("time.rho_inf", &[rho_inf])?;
-            if !(0.0..=1.0).contains(&rho_inf) {
-                let help = "from 0 to 1: what is left of the highest frequencies after a step";
-                return Err(source.error("time.rho_inf", format!("{rho_inf} is out of range"), help));
-            }
+            let help = "from 0 to 1: what is left of the highest frequencies after a step";
+            source.in_range("time.rho_inf", rho_inf, 0.0..=1.0, help)?;
             Ok(Scheme::GeneralizedAlpha { rho_inf })
         }
         "energy" => Ok(Scheme::Energy),
@@ -94,20 +93,13 @@ fn scheme(source: &Source, raw: &raw::Time) -> Result<Scheme, SceneError> {
 fn newmark(source: &Source, raw: &raw::Time) -> Result<Scheme, SceneError> {
     let Number(beta) = raw.beta.unwrap_or(Number(0.25));
     let Number(gamma) = raw.gamma.unwrap_or(Number(0.5));
-    source.finite("time.beta", &[beta])?;
-    source.finite("time.gamma", &[gamma])?;
+    let help = "above 0 and at most 1; 0.25 is the average acceleration";
     if beta == 0.0 {
-        let help = "above 0 and at most 1; 0.25 is the average acceleration";
         let message = "0 makes Newmark's method explicit: that is `scheme = \"central-difference\"`";
         return Err(source.error("time.beta", message, help));
     }
-    if !(beta > 0.0 && beta <= 1.0) {
-        let help = "above 0 and at most 1; 0.25 is the average acceleration";
-        return Err(source.error("time.beta", format!("{beta} is out of range"), help));
-    }
-    if !(0.0..=1.0).contains(&gamma) {
-        let help = "from 0 to 1; below 0.5 the method is unstable, above it damps";
-        return Err(source.error("time.gamma", format!("{gamma} is out of range"), help));
-    }
+    source.in_range("time.beta", beta, (Bound::Excluded(0.0), Bound::Included(1.0)), help)?;
+    let help = "from 0 to 1; below 0.5 the method is unstable, above it damps";
+    source.in_range("time.gamma", gamma, 0.0..=1.0, help)?;
     Ok(Scheme::Newmark { beta, gamma })
 }

@@ -1,42 +1,15 @@
-//! A map from the bodies of a sweep to stored values. A hash finds the entry; the descriptions themselves are compared.
-
-use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
+//! Tells which members of a sweep have the same body.
 
 use crate::body::rates;
 use crate::description::Description;
 use crate::form;
 use crate::material::Maxwell;
 use crate::model::shift;
-use crate::scene::{self, Contact, Impactor, Initial, Load, Measure, Scene, Support, Vec3};
+use crate::scene::{self, Scene};
 
-/// All properties of a scene that its body depends on.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BodyOf {
-    body: scene::Body,
-    supports: Vec<Support>,
-    point: Vec3,
-    direction: Vec3,
-    contact: Contact,
-    load: Load,
-    initial: Initial,
-    measure: Measure,
-    cell_factor: f64,
-    stress: bool,
-    /// Radius of the disc under layers with their own contact law, m.
-    disc_of_law: Option<f64>,
-    /// Bulk moduli of the viscoelastic materials, Pa, as rounded text.
-    bulk: Vec<String>,
-    /// For each viscoelastic material, the index of the first one with the same chain. Materials with one chain share
-    /// one matrix D.
-    alike: Vec<usize>,
-    /// Constants of the local contact field. They are rounded, because their influence is small.
-    local: Vec<String>,
-    /// Shifts at which the basis vectors are made for the chains, in hundredths of the first shift. A basis with fewer
-    /// shifts may lack shapes of the body. The larger basis would lack them too, so the error estimate would not show
-    /// it.
-    rates: Vec<u32>,
-}
+/// Description of a scene's body: the text of all properties that the body depends on.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct BodyOf(String);
 
 /// Tolerance of a basis shared by members with different chains, relative to their tolerance. Error estimates were
 /// measured to differ by a factor of two from 0 to 50 °C. Chains that share a local field hardly differ.
@@ -70,25 +43,27 @@ impl BodyOf {
     pub fn new(scene: &Scene) -> Self {
         let time = scene.impactor.moduli_time();
         let materials = scene.body.composition.materials().into_iter().filter(|_| has_local_field(scene));
+        // Rounded, because the influence of the local contact field is small.
         let moduli =
             materials.filter_map(|material| Some(rounded(material.shear.as_ref()?.secant(time), scene.tolerance)));
-        Self { local: moduli.collect(), rates: rates_of(scene), ..Self::relaxing_anyhow(scene) }
+        Self::of(scene, &moduli.collect::<Vec<_>>(), &rates_of(scene))
     }
 
     /// The description for bodies that differ in the chains of viscoelastic materials and are tested for each of them.
     pub fn of_relaxations(scene: &Scene) -> Self {
         let time = scene.body.composition.is_viscoelastic().then(|| scene.impactor.contact_time());
-        Self {
-            local: time.map(|time| rounded(time, scene.tolerance)).into_iter().collect(),
-            ..Self::relaxing_anyhow(scene)
-        }
+        let local: Vec<String> = time.map(|time| rounded(time, scene.tolerance)).into_iter().collect();
+        Self::of(scene, &local, &[])
     }
 
-    fn relaxing_anyhow(scene: &Scene) -> Self {
+    /// The description without relaxation, and with the given constants of the local contact field and rates.
+    fn of(scene: &Scene, local: &[String], rates: &[u32]) -> Self {
         let Scene { mut body, supports, impactor, contact, load, time, output, measure, cell_factor, .. } =
             scene.clone();
+        // The disc under layers with their own contact law.
         let disc_of_law = impactor.layered_contact().map(|layered| layered.disc);
-        let Impactor { point, direction, .. } = impactor;
+        // `alike` has for each viscoelastic material the index of the first one with the same chain. Materials with one
+        // chain share one matrix D.
         let (mut bulk, mut chains, mut alike) = (Vec::new(), Vec::new(), Vec::new());
         for material in body.composition.materials_mut() {
             if let Some(chain) = material.shear.take() {
@@ -100,30 +75,9 @@ impl BodyOf {
             }
         }
         body.temperature = None;
-        let (initial, stress, local, rates) = (time.initial, output.stress, Vec::new(), Vec::new());
-        Self {
-            body,
-            supports,
-            point,
-            direction,
-            contact,
-            load,
-            initial,
-            measure,
-            cell_factor,
-            stress,
-            disc_of_law,
-            bulk,
-            alike,
-            local,
-            rates,
-        }
-    }
-
-    fn hash(&self) -> u64 {
-        let mut hasher = DefaultHasher::new();
-        format!("{self:?}").hash(&mut hasher);
-        hasher.finish()
+        let place = (impactor.point, impactor.direction, contact, disc_of_law);
+        let settings = (time.initial, measure, cell_factor, output.stress);
+        Self(format!("{:?}", (body, supports, load, place, settings, (bulk, alike, local), rates)))
     }
 }
 
@@ -134,7 +88,9 @@ pub(super) fn has_local_field(scene: &Scene) -> bool {
     scene.body.model != scene::Model::Solid || is_layered || scene.output.stress
 }
 
-/// Shifts as in [`BodyOf::rates`]; empty for an elastic body.
+/// Shifts at which the basis vectors are made for the chains, in hundredths of the first shift; empty for an elastic body.
+/// A basis with fewer shifts may lack shapes of the body. The larger basis would lack them too, so the error estimate would
+/// not show it.
 fn rates_of(scene: &Scene) -> Vec<u32> {
     let chains = chains(scene);
     if chains.is_empty() {
@@ -151,60 +107,17 @@ fn rounded(value: f64, tolerance: f64) -> String {
     format!("{:.3e}", ((value.ln() / width).round() * width).exp())
 }
 
-/// A map with bodies as keys.
-#[derive(Debug)]
-pub struct ByBody<T>(HashMap<u64, Vec<(BodyOf, T)>>);
-
-impl<T> Default for ByBody<T> {
-    fn default() -> Self {
-        Self(HashMap::new())
-    }
-}
-
-impl<T> ByBody<T> {
-    /// The value stored for a body.
-    pub fn get(&self, body: &BodyOf) -> Option<&T> {
-        let alike = self.0.get(&body.hash())?;
-        alike.iter().find(|(other, _)| other == body).map(|(_, kept)| kept)
-    }
-
-    /// The value stored for a body; it is made if missing.
-    pub fn get_or_insert_with(&mut self, body: BodyOf, make: impl FnOnce() -> T) -> &mut T {
-        let alike = self.0.entry(body.hash()).or_default();
-        let place = alike.iter().position(|(other, _)| *other == body).unwrap_or_else(|| {
-            alike.push((body, make()));
-            alike.len() - 1
-        });
-        &mut alike[place].1
-    }
-
-    /// All stored values.
-    pub fn values(&self) -> impl Iterator<Item = &T> {
-        self.0.values().flatten().map(|(_, kept)| kept)
-    }
-
-    /// Number of bodies.
-    pub fn len(&self) -> usize {
-        self.0.values().map(Vec::len).sum()
-    }
-
-    /// Removes all entries.
-    pub fn clear(&mut self) {
-        self.0.clear();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// A laminated pane as a solid, with a Prony series of its interlayer. Its members share a basis for any moduli.
-    fn pane(prony: &str) -> BodyOf {
+    fn pane(prony: &str) -> Scene {
         varied(prony, "")
     }
 
     /// The pane with further text.
-    fn varied(prony: &str, rest: &str) -> BodyOf {
+    fn varied(prony: &str, rest: &str) -> Scene {
         let glass = "[[body.layer]]\nthickness = 0.005\nmaterial = \"glass\"\n";
         let text = format!(
             "[body]\nsize = [0.3, 0.3]\nmodel = \"solid\"\n{glass}\
@@ -214,25 +127,27 @@ mod tests {
              [impactor]\nmass = 2.0\nradius = 0.05\nyoung = 210e9\npoisson = 0.3\nspeed = 1.0\n\
              [time]\nend = 6e-4\n[output]\nstress = false\n{rest}"
         );
-        BodyOf::new(&Scene::parse("test", &text, &[]).expect("a scene").0)
+        Scene::parse("test", &text, &[]).expect("a scene").0
     }
 
     /// A basis made at one shift is not shared with a body whose modulus falls to a small part.
     #[test]
     fn bodies_of_other_rates_have_other_bases() {
         let little = pane("{ modulus = 1e6, time = 1e-4 }");
-        assert_eq!(little.rates, [100]);
-        assert_eq!(little, pane("{ modulus = 1.1e6, time = 9e-5 }"));
+        assert_eq!(rates_of(&little), [100]);
+        assert_eq!(BodyOf::new(&little), BodyOf::new(&pane("{ modulus = 1.1e6, time = 9e-5 }")));
         let much = pane("{ modulus = 1e9, time = 1e-4 }");
-        assert!(much.rates.len() > 1, "{:?}", much.rates);
-        assert_ne!(little, much);
+        assert!(rates_of(&much).len() > 1, "{:?}", rates_of(&much));
+        assert_ne!(BodyOf::new(&little), BodyOf::new(&much));
     }
 
     /// Cells of another size are another body.
     #[test]
     fn other_cells_are_another_body() {
-        let of =
-            |factor: f64| varied("{ modulus = 1e6, time = 1e-4 }", &format!("[accuracy]\ncell_factor = {factor}\n"));
+        let of = |factor: f64| {
+            let factor = format!("[accuracy]\ncell_factor = {factor}\n");
+            BodyOf::new(&varied("{ modulus = 1e6, time = 1e-4 }", &factor))
+        };
         assert_eq!(of(1.0), of(1.0));
         assert_ne!(of(1.0), of(0.5));
     }

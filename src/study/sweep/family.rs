@@ -2,7 +2,7 @@
 //! interlayers. It is merged from bodies made at a few values.
 
 use crate::body::{Assembled, Columns, CommonBasis, ModalBody, Projection, snapshots};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::impact::{Errors, ModalImpact, Readout};
 use crate::material::Maxwell;
 use crate::model::{
@@ -53,35 +53,30 @@ struct Sample {
 
 impl Family {
     /// Makes bodies at the first and the last value, and between them wherever the merged basis is not accurate enough
-    /// at the middle. Returns `None` if that takes too many bodies or they cannot share a basis. Collective.
+    /// at the middle. Collective.
     ///
     /// # Errors
-    /// Same as making a model.
-    pub fn new(
-        context: &ModelContext,
-        values: &[f64],
-        scene_of: &dyn Fn(f64) -> Result<Scene>,
-    ) -> Result<Option<Self>> {
+    /// [`Error::Solve`] if that takes too many bodies or they cannot share a basis; same as making a model.
+    pub fn new(context: &ModelContext, values: &[f64], scene_of: &dyn Fn(f64) -> Result<Scene>) -> Result<Self> {
+        let not_shared = |why: &str| Err(Error::Solve(format!("no basis is shared: {why}")));
         let last = values.len() - 1;
         let operators = |place: usize, size: f64| {
             let scene = scene_of(values[place])?;
-            Ok::<_, crate::Error>(match build(context, &scene, scene.body.model, size)? {
-                Built::Operators(built) => Some((built, scene)),
-                Built::Given(_) => None,
-            })
+            match build(context, &scene, scene.body.model, size)? {
+                Built::Operators(built) => Ok((built, scene)),
+                Built::Given(_) => Err(Error::Solve("the theory has no supports".into())),
+            }
         };
         // All bodies have the finer of the cells of the two end values.
         let (mut size, mut of_cells) = (1.0_f64, Errors::default());
         for place in [0, last] {
-            let Some((built, scene)) = operators(place, 1.0)? else { return Ok(None) };
+            let (built, scene) = operators(place, 1.0)?;
             let CellSize { size: own, error, local_field, .. } = cell_size(context, &scene, scene.body.model, built)?;
             size = size.min(own);
             of_cells = of_cells.max(error.joined(local_field));
         }
         let make = |place: usize| -> Result<Sample> {
-            let Some((built, scene)) = operators(place, size)? else {
-                return Err(crate::Error::Solve("the theory has no supports".into()));
-            };
+            let (built, scene) = operators(place, size)?;
             let body = built.body;
             let mut reduced = reduce(context, body.linear(), &scene)?;
             // The larger of the two bases is there already, and its error is less than that of the smaller one.
@@ -93,7 +88,7 @@ impl Family {
         // The end values of a layer's modulus may lead to different cells, whose basis vectors cannot be merged.
         let unknowns = ends[0].body.linear().unknowns();
         if ends[1].body.linear().unknowns() != unknowns {
-            return Ok(None);
+            return not_shared("the end values have different cells");
         }
         let [mut pool, others] = ends.each_mut().map(|end| {
             let none = end.snapshots.zeros(0);
@@ -111,7 +106,7 @@ impl Family {
         // each member gets its own body.
         let of_last = off(&merged, values[last], &ends[1])?;
         if of_last.of(ends[1].scene.measure) > BASIS_SHARE * ends[1].scene.tolerance {
-            return Ok(None);
+            return not_shared("the local field of the first value does not serve the last one");
         }
         let (mut open, mut errors, mut made) = (vec![(0, last)], Vec::new(), 2);
         while let Some((from, to)) = open.pop() {
@@ -120,12 +115,12 @@ impl Family {
                 continue;
             }
             if made == MAX_BODIES.min(values.len() / VALUES_PER_BODY) {
-                return Ok(None);
+                return not_shared("it takes too many bodies");
             }
             let middle = from.midpoint(to);
             let sample = make(middle)?;
             if sample.body.linear().unknowns() != unknowns {
-                return Ok(None);
+                return not_shared("a value between has different cells");
             }
             let tolerance = BASIS_SHARE * sample.scene.tolerance;
             let found = off(&merged, values[middle], &sample)?;
@@ -150,13 +145,11 @@ impl Family {
         }
         let basis = merged.basis();
         let vectors = basis.len();
-        let readout = match operators(0, size)? {
-            Some((Operators { evaluator, .. }, scene)) if scene.output.is_read() && !basis.is_empty() => {
-                Some(Gauges::new(context.comm, &scene, evaluator, unknowns, Some(basis))?.readout)
-            }
-            _ => None,
-        };
-        Ok(Some(Self { merged, errors, unknowns, vectors, readout }))
+        let (Operators { evaluator, .. }, scene) = operators(0, size)?;
+        let is_read = scene.output.is_read() && !basis.is_empty();
+        let gauges = is_read.then(|| Gauges::new(context.comm, &scene, evaluator, unknowns, Some(basis)));
+        let readout = gauges.transpose()?.map(|gauges| gauges.readout);
+        Ok(Self { merged, errors, unknowns, vectors, readout })
     }
 
     /// Whether the error of the deflection is large, and a family of bases with a low shift is made quickly.

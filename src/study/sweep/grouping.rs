@@ -1,7 +1,6 @@
 //! Groups the members of a sweep that share a body, and finds the most demanding member of each group.
 
-use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use petsc_wrap::Comm;
 
@@ -11,20 +10,20 @@ use crate::model::watch::Watch;
 use crate::model::{Model, ModelContext, admits};
 use crate::scene::{self, Scene, Support, SupportKind};
 
-use super::by_body::{BodyOf, ByBody};
+use super::by_body::BodyOf;
 
 /// Families of members that differ only in the impactor, the gap, the times or the tolerance, by their body. Each
 /// family's basis is made for its most demanding member, by tolerance and then by contact time. No result therefore
 /// depends on the order of members.
 #[derive(Debug, Default)]
 pub struct Grouping {
-    families: ByBody<Member>,
+    families: HashMap<BodyOf, Member>,
     ends: Vec<usize>,
     /// The varied property of a line, if exactly one is varied, with each member's value.
     line: Option<(Property, Vec<f64>)>,
     /// Lines by all properties of the body except the varied one: the most demanding member of each value, in order of
     /// the values.
-    lines: ByBody<BTreeMap<Ordered, Member>>,
+    lines: HashMap<BodyOf, Vec<(f64, Member)>>,
 }
 
 /// The theory selected for all members.
@@ -72,9 +71,10 @@ struct Member {
 }
 
 impl Member {
-    /// Whether this member demands more of a body: a smaller tolerance, then a shorter contact.
-    fn is_harder(&self, other: &Self) -> bool {
-        (self.tolerance, self.contact, self.index) < (other.tolerance, other.contact, other.index)
+    /// The member that demands more of a body: a smaller tolerance, then a shorter contact.
+    fn harder(self, other: Self) -> Self {
+        let order = |member: &Self| (member.tolerance, member.contact, member.index);
+        if order(&other) < order(&self) { other } else { self }
     }
 }
 
@@ -84,11 +84,6 @@ impl Grouping {
         // Contact damping makes the contact stiffer from the first touch on, so it counts as a shorter contact.
         let contact = scene.impactor.contact_time() / (1.0 + scene.impactor.damping * scene.impactor.hit_speed());
         let member = Member { index, contact, tolerance: scene.tolerance };
-        let harder = |most: &mut Member| {
-            if member.is_harder(most) {
-                *most = member;
-            }
-        };
         // Elastic bodies are the same at all temperatures.
         let differ = |(property, _): &(Property, f64)| {
             *property != Property::Relaxation || scene.body.composition.is_viscoelastic()
@@ -97,10 +92,13 @@ impl Grouping {
             self.line.get_or_insert((property, Vec::new())).1.push(value);
         }
         if let Some((property, value)) = on_line.filter(differ) {
-            let line = self.lines.get_or_insert_with(without(scene, property), BTreeMap::new);
-            harder(line.entry(Ordered(value)).or_insert(member));
+            let line = self.lines.entry(without(scene, property)).or_default();
+            match line.binary_search_by(|(other, _)| other.total_cmp(&value)) {
+                Ok(place) => line[place].1 = line[place].1.harder(member),
+                Err(place) => line.insert(place, (value, member)),
+            }
         }
-        harder(self.families.get_or_insert_with(BodyOf::new(scene), || member));
+        self.families.entry(BodyOf::new(scene)).and_modify(|most| *most = most.harder(member)).or_insert(member);
         self.ends.truncate(1);
         self.ends.push(index);
     }
@@ -131,7 +129,7 @@ impl Grouping {
     /// The values of a line, ascending, each with its most demanding member.
     pub fn members_on(&self, line: &BodyOf) -> Vec<(f64, usize)> {
         let all = self.lines.get(line).into_iter().flatten();
-        all.map(|(value, member)| (value.0, member.index)).collect()
+        all.map(|(value, member)| (*value, member.index)).collect()
     }
 
     /// The theory for all members: the highest one that `auto` selects for the first, the last and the most demanding
@@ -140,7 +138,7 @@ impl Grouping {
     /// # Errors
     /// Same as making a model, if none of these models can be made.
     pub fn theory(&self, comm: &Comm, scene_of: impl Fn(usize) -> Result<Scene>, watch: &dyn Watch) -> Result<Found> {
-        let hardest = self.families.values().copied().reduce(|a, b| if b.is_harder(&a) { b } else { a });
+        let hardest = self.families.values().copied().reduce(Member::harder);
         let mut asked = self.ends.clone();
         asked.extend(hardest.map(|member| member.index));
         asked.sort_unstable();
@@ -215,27 +213,3 @@ fn without(scene: &Scene, property: Property) -> BodyOf {
     }
     BodyOf::new(&scene)
 }
-
-/// A finite value with a total order.
-#[derive(Debug, Clone, Copy)]
-struct Ordered(f64);
-
-impl Ord for Ordered {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
-impl PartialOrd for Ordered {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Ordered {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Ordered {}

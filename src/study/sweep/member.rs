@@ -7,9 +7,8 @@ use petsc_wrap::Comm;
 use super::bodies::Bodies;
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
-use crate::impact::{Probe, Reading, Until, joined};
-use crate::model::watch;
-use crate::model::{Linearity, Model, ModelContext, Simulation};
+use crate::impact::{ErrorEstimate, Probe, Reading, Steps, Trace, Until};
+use crate::model::{Simulation, watch};
 use crate::record::episodes::Episodes;
 use crate::record::stress::{LargestTension, strengths};
 use crate::scene::Scene;
@@ -45,45 +44,55 @@ pub fn simulate(
     mut observe: impl FnMut(&Step, &[Probe]),
 ) -> Result<Option<Computed>> {
     // Shared bodies have no probes or fields.
-    if scene.time.modal && !scene.output.has_points() {
-        return match bodies.simulate(index, scene, &interrupted, &mut |step| observe(step, &[])) {
-            Err(Error::Interrupted) => Ok(None),
-            computed => computed,
-        };
-    }
-    let of_theory = bodies.error_of_theory(scene);
-    let scene = &bodies.named(scene.clone());
-    let model = match Model::made(&ModelContext::new(comm, &watch::Until(comm, &*interrupted)), scene) {
-        Err(Error::Interrupted) => return Ok(None),
-        model => model?,
+    let computed = if scene.time.modal && !scene.output.has_points() {
+        bodies.simulate(index, scene, &interrupted, &mut |step| observe(step, &[]))
+    } else {
+        let watch = watch::Until(comm, &*interrupted);
+        let model = bodies.make(scene, &watch);
+        let simulation = model.and_then(|model| Simulation::new(&bodies.named(scene.clone()), model));
+        simulation.and_then(|mut simulation| run(scene, &mut simulation, &*interrupted, None, observe))
     };
-    let unknowns = model.unknowns + 1;
-    let first_error =
-        model.error_before_steps().total().map_or(f64::NAN, |errors| errors.joined(of_theory).first_contact);
-    let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());
-    let mut deflection_over_thickness = f64::NAN;
-    let mut simulation = Simulation::new(scene, model)?;
+    if let Err(Error::Interrupted) = computed { Ok(None) } else { computed }
+}
+
+/// Estimates the error of a model from the contact force of an impact and its time steps.
+pub(super) type Judge<'a> = &'a mut dyn FnMut(&(Trace, Steps)) -> Result<ErrorEstimate>;
+
+/// Computes the impact of a member to its end. A `judge` replaces the estimated error of the model.
+pub(super) fn run(
+    scene: &Scene,
+    simulation: &mut Simulation,
+    interrupted: &dyn Fn() -> bool,
+    judge: Option<Judge<'_>>,
+    mut observe: impl FnMut(&Step, &[Probe]),
+) -> Result<Option<Computed>> {
+    let linearity = simulation.linearity();
     let (mut tension, strengths) = (LargestTension::default(), strengths(&scene.strength, simulation.faces()));
-    let mut contacts = Episodes::default();
-    let flow = simulation.run_watched(&mut Until {
-        interrupted: &*interrupted,
-        take: |step: &Step, reading: &Reading| {
-            if let Some(linearity) = &linearity {
-                deflection_over_thickness =
-                    deflection_over_thickness.max(linearity.over_thickness(linearity.deflection(step)));
-            }
-            tension.take(step.time, &reading.faces, &strengths);
-            contacts.push(step);
-            observe(step, &reading.probes);
-        },
-    })?;
+    let (mut contacts, mut deflection_over_thickness) = (Episodes::default(), f64::NAN);
+    let take = |step: &Step, reading: &Reading| {
+        if let Some(linearity) = &linearity {
+            let deflection = linearity.over_thickness(linearity.deflection(step));
+            deflection_over_thickness = deflection_over_thickness.max(deflection);
+        }
+        tension.take(step.time, &reading.faces, &strengths);
+        contacts.push(step);
+        observe(step, &reading.probes);
+    };
+    if simulation.run_watched(&mut Until { interrupted, take })?.is_break() {
+        return Ok(None);
+    }
+    if let Some((judge, force)) = judge.zip(simulation.force()) {
+        let error = judge(force)?;
+        simulation.set_error_of_model(error);
+    }
     let estimate = simulation.error();
-    let errors = estimate.total().map(|errors| errors.joined(of_theory));
-    let error_estimate = errors.map_or(f64::NAN, |errors| errors.history);
-    let of_tension = estimate.of_tension().joined(of_theory);
-    tension = tension.with_error(&of_tension, scene, contacts.all().first().map(|first| first.end));
-    let deflection_error = joined(estimate.of_deflection(), of_theory.deflection);
-    let outcome =
-        Computed { error_estimate, first_error, deflection_error, deflection_over_thickness, unknowns, tension };
-    Ok(flow.is_continue().then_some(outcome))
+    let first_end = contacts.all().first().map(|first| first.end);
+    Ok(Some(Computed {
+        error_estimate: estimate.total().map_or(f64::NAN, |errors| errors.history),
+        first_error: simulation.error_before_steps().total().map_or(f64::NAN, |errors| errors.first_contact),
+        deflection_error: estimate.of_deflection(),
+        deflection_over_thickness,
+        unknowns: simulation.unknowns(),
+        tension: tension.with_error(&estimate.of_tension(), scene, first_end),
+    }))
 }
