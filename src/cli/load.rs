@@ -13,6 +13,8 @@ use crate::record::provenance::digest_of_file;
 use crate::record::read;
 use crate::scene::{Geometry, Scene, Source};
 
+use super::SceneArguments;
+
 /// File name that stands for standard input.
 pub const STANDARD_INPUT: &str = "-";
 
@@ -43,15 +45,16 @@ struct Given {
 /// # Errors
 /// [`Error::Output`] if the file cannot be read; [`Error::Usage`] if it is not text; [`Error::Scene`] if the scene is
 /// wrong.
-pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
-    load_with_options(comm, path, overrides, false)
+pub fn load(comm: &Comm, arguments: &SceneArguments) -> Result<Loaded> {
+    load_with_options(comm, arguments, false)
 }
 
 /// Like [`load`]; with `is_applied`, the options for PETSc of a result are used as well. Collective.
 ///
 /// # Errors
 /// Like [`load`]; [`Error::Usage`] if options are to be used and the scene is not from a result.
-pub fn load_with_options(comm: &Comm, path: &Path, overrides: &[String], is_applied: bool) -> Result<Loaded> {
+pub fn load_with_options(comm: &Comm, arguments: &SceneArguments, is_applied: bool) -> Result<Loaded> {
+    let SceneArguments { file: path, overrides, .. } = arguments;
     let Given { source, is_of_result, stored_options } = decided(comm, || given(path, overrides))?;
     match is_applied {
         true if !is_of_result => {

@@ -28,7 +28,7 @@ pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
     if let Some(budget) = arguments.budget.filter(|budget| budget.is_nan() || *budget < 0.0) {
         return Err(Error::Usage(format!("--budget {budget}: expected a number of seconds, 0 or more")));
     }
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene)?;
     // Checked before minutes of work whose result could not be written.
     let mut folder = None;
     decided(comm, || {

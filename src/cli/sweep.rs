@@ -33,7 +33,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let begin = Instant::now();
     let variations = arguments.vary.iter().map(|given| Variation::parse(given, arguments.log));
     let mut grid = variations.collect::<std::result::Result<_, _>>().and_then(Grid::new).map_err(Error::Usage)?;
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene).map_err(of_base)?;
     let tables = decided(comm, || {
         let contents = |file: &String| Ok(Scene::table_in_file(&source, file)?);
         grid.texts(TABLE).iter().map(contents).collect::<Result<Vec<String>>>()

@@ -56,7 +56,7 @@ struct Report<'a> {
 /// If the scene is wrong, or if a PETSc call fails.
 pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
     let begin = Instant::now();
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene)?;
     let deadline = (!arguments.full).then(|| begin + Duration::from_secs_f64(PATIENCE));
     let report = report(comm, (&scene, &source), deadline).map_err(|error| error.in_scene(&source))?;
     if comm.is_root() {

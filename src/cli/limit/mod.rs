@@ -32,7 +32,7 @@ use trial::{Discretisation, Trial, trial};
 /// Any [`Error`].
 pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     let range = Range::parse(&arguments.vary).map_err(Error::Usage)?;
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene).map_err(of_base)?;
     check(&scene, &range)?;
     // Values that do not give a valid scene are found before the first run.
     let has_output = arguments.output.is_some();
