@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 use crate::agree::{decided, of_root};
 use crate::error::{Error, Result};
 use crate::record::folder::Folder;
-use crate::record::provenance::{Cost, Provenance};
-use crate::record::read::origin;
+use crate::record::provenance::{Cost, Origin};
+use crate::record::read;
 use crate::record::series::{Points, SeriesWriter};
 use crate::record::stress::Faces;
 use crate::scene::{Scene, Source};
 use crate::study::chart::{Attempt, Recording, Timed, history, spent, time};
 
-use super::provenance::provenance;
+use super::provenance::{origin, provenance};
 
 /// A scene, the folder of its runs, and a test for interruption.
 pub struct Bench<'a> {
@@ -101,10 +101,10 @@ impl<'a> Bench<'a> {
         if !path.exists() {
             return None;
         }
-        let (made, cost, is_complete) = origin(path).ok()?;
-        let now = provenance(self.comm, scene, source, ("", String::new(), 0)).ok()?;
-        let key = |of: &Provenance| (of.ranks, of.scene.clone(), of.petsc_options.clone());
-        if !is_complete || key(&made) != key(&now) {
+        let (made, cost, is_complete) = read::origin(path).ok()?;
+        let now = origin(self.comm, scene, source).ok()?;
+        let key = |Origin { ranks, scene, petsc_options, .. }| (ranks, scene, petsc_options);
+        if !is_complete || key(made.origin) != key(now) {
             return None;
         }
         Some(Ok(Timed {

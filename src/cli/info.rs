@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::impact::estimated;
 use crate::record::checkpoint::is_there;
 use crate::record::extremes::{Extreme, Extremes, extremes};
+use crate::record::provenance::{Cost, Origin, Provenance};
 use crate::record::read::{history, origin};
 use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
 
@@ -24,8 +25,8 @@ pub fn info(arguments: &Info) -> Result<()> {
     let sweep = if is_sweep(path)? { Some(Sweep::read(path)?) } else { None };
     if arguments.scene {
         let text = match &sweep {
-            Some(sweep) => sweep.header.scene.clone(),
-            None => origin(path)?.0.scene,
+            Some(sweep) => sweep.header.origin.scene.clone(),
+            None => origin(path)?.0.origin.scene,
         };
         say(format_args!("{}", text.trim_end()));
         return Ok(());
@@ -44,18 +45,11 @@ fn print_json(facts: &impl Serialize) {
     say(format_args!("{}", serde_json::to_string_pretty(facts).unwrap_or_default()));
 }
 
-/// Facts of a run, in SI units.
+/// Facts of a run, in SI units; NaN is null in JSON.
 #[derive(Serialize)]
 struct RunFacts {
-    title: String,
-    version: String,
-    commit: String,
-    petsc_version: String,
-    petsc_options: String,
-    ranks: usize,
-    model: String,
-    reduction: String,
-    unknowns: usize,
+    #[serde(flatten)]
+    provenance: Provenance,
     rows: usize,
     /// Time of the last row, s.
     end: f64,
@@ -67,17 +61,8 @@ struct RunFacts {
     contacts: Vec<ContactFacts>,
     /// Warnings and notes of the run.
     warnings: Vec<String>,
-    /// Estimated error of the acceleration over its peak, over the whole history; null without an estimate.
-    error_estimate: f64,
-    /// Estimated error of the deflection under the impactor over its largest value; null without an estimate.
-    deflection_error_estimate: f64,
-    /// Wall time of the run, s; null if the run has not ended.
-    wall_time: f64,
-    wall_time_model: f64,
-    wall_time_setup: f64,
-    wall_time_steps: f64,
-    solves: usize,
-    newton_iterations: usize,
+    #[serde(flatten)]
+    cost: Cost,
 }
 
 /// A contact: start (s), end (s) and impulse (N s).
@@ -96,43 +81,21 @@ impl RunFacts {
         let can_go_on = !is_complete && is_there(path, provenance.run_id);
         Ok(Self {
             warnings: provenance.warnings.lines().map(str::to_owned).collect(),
-            title: provenance.title,
-            version: provenance.version,
-            commit: provenance.commit,
-            petsc_version: provenance.petsc_version,
-            petsc_options: provenance.petsc_options,
-            ranks: provenance.ranks,
-            model: provenance.model,
-            reduction: provenance.reduction,
-            unknowns: provenance.unknowns,
             rows: history.time.len(),
             end: history.time.last().copied().unwrap_or_default(),
             is_complete,
             restart: can_go_on.then(|| path.to_owned()),
             largest: extremes(path)?,
             contacts: contacts.map(|(&(start, end), &impulse)| ContactFacts { start, end, impulse }).collect(),
-            error_estimate: cost.error_estimate,
-            deflection_error_estimate: cost.deflection_error_estimate,
-            wall_time: cost.total,
-            wall_time_model: cost.model,
-            wall_time_setup: cost.setup,
-            wall_time_steps: cost.steps,
-            solves: cost.solves,
-            newton_iterations: cost.newton_iterations,
+            provenance,
+            cost,
         })
     }
 
     fn print(&self) {
-        let options = if self.petsc_options.is_empty() { "no options" } else { &self.petsc_options };
-        say(format_args!("title      {}", self.title));
-        say(format_args!(
-            "program    ricochet {} ({}), PETSc {} with {options}, {}",
-            self.version,
-            self.commit,
-            self.petsc_version,
-            counted(self.ranks, "rank")
-        ));
-        say(format_args!("model      {}, {} unknowns, reduction {}", self.model, self.unknowns, self.reduction));
+        let Provenance { origin, model, unknowns, reduction, .. } = &self.provenance;
+        print_origin(origin);
+        say(format_args!("model      {model}, {unknowns} unknowns, reduction {reduction}"));
         let state = match &self.restart {
             _ if self.is_complete => "complete".to_owned(),
             Some(path) => format!("not complete; --restart {} continues it", path.display()),
@@ -142,42 +105,40 @@ impl RunFacts {
         if let Some(largest) = &self.largest {
             let Extreme { value, time } = largest.acceleration;
             say(format_args!("largest    acceleration {} m/s² at {} ms", short(value), short(1e3 * time)));
-            for line in lines(largest, self.deflection_error_estimate) {
+            for line in lines(largest, self.cost.deflection_error_estimate) {
                 say(format_args!("           {line}"));
             }
         }
         for ContactFacts { start, end, impulse } in &self.contacts {
             say(format_args!("contact    {} to {} ms, {} N s", short(1e3 * start), short(1e3 * end), short(*impulse)));
         }
-        if !self.error_estimate.is_nan() {
-            say(format_args!(
-                "error      estimated {} of the peak over the whole history",
-                estimated(self.error_estimate)
-            ));
+        let Cost { error_estimate, total, model, setup, steps, solves, newton_iterations, .. } = self.cost;
+        if !error_estimate.is_nan() {
+            say(format_args!("error      estimated {} of the peak over the whole history", estimated(error_estimate)));
         }
         self.warnings.iter().for_each(|line| say(format_args!("remark     {line}")));
-        if !self.wall_time.is_nan() {
+        if !total.is_nan() {
             say(format_args!(
-                "cost       {:.3} s (model {:.3}, setup {:.3}, steps {:.3}), {} solves and {} Newton iterations",
-                self.wall_time,
-                self.wall_time_model,
-                self.wall_time_setup,
-                self.wall_time_steps,
-                self.solves,
-                self.newton_iterations
+                "cost       {total:.3} s (model {model:.3}, setup {setup:.3}, steps {steps:.3}), {solves} solves and {newton_iterations} Newton \
+                 iterations"
             ));
         }
     }
 }
 
+/// Prints the title of a scene and the program.
+fn print_origin(Origin { title, version, commit, petsc_version, petsc_options, ranks, .. }: &Origin) {
+    let options = if petsc_options.is_empty() { "no options" } else { petsc_options };
+    let ranks = counted(*ranks, "rank");
+    say(format_args!("title      {title}"));
+    say(format_args!("program    ricochet {version} ({commit}), PETSc {petsc_version} with {options}, {ranks}"));
+}
+
 /// Facts of a sweep.
 #[derive(Serialize)]
 struct SweepFacts {
-    title: String,
-    version: String,
-    commit: String,
-    petsc_version: String,
-    ranks: usize,
+    #[serde(flatten)]
+    origin: Origin,
     varied: Vec<Varied>,
     done: usize,
     failed: usize,
@@ -261,11 +222,7 @@ impl SweepFacts {
         };
         let range = |quantity: Quantity| Some([of(quantity).reduce(f64::min)?, most(quantity)?]);
         Self {
-            title: header.title.clone(),
-            version: header.version.clone(),
-            commit: header.commit.clone(),
-            petsc_version: header.petsc_version.clone(),
-            ranks: header.ranks,
+            origin: header.origin.clone(),
             varied: header
                 .keys
                 .iter()
@@ -288,14 +245,7 @@ impl SweepFacts {
     }
 
     fn print(&self) {
-        say(format_args!("title      {}", self.title));
-        say(format_args!(
-            "program    ricochet {} ({}), PETSc {}, {}",
-            self.version,
-            self.commit,
-            self.petsc_version,
-            counted(self.ranks, "rank")
-        ));
+        print_origin(&self.origin);
         for Varied { key, units, values } in &self.varied {
             let units = if units == "1" { String::new() } else { format!(" [{units}]") };
             say(format_args!("varied     {key}{units}, {}", counted(*values, "value")));

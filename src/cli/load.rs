@@ -2,14 +2,14 @@
 
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use petsc_wrap::{Comm, options};
 use serde::{Deserialize, Serialize};
 
 use crate::agree::decided;
 use crate::error::{Error, Result};
-use crate::record::provenance::digest_of_file;
+use crate::record::provenance::{Provenance, digest_of_file};
 use crate::record::read;
 use crate::scene::{Geometry, Scene, Source};
 
@@ -113,10 +113,9 @@ fn bytes(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
 
 /// The scene of a result.
 fn of_result(path: &Path, overrides: &[String]) -> Result<Given> {
-    let origin = read::provenance(path)?;
-    let folder = PathBuf::from(origin.folder);
-    let (scene, source) = Scene::within(&path.display().to_string(), &folder, &origin.scene, overrides)?;
-    if mesh_digest(&scene).unwrap_or_default() != origin.mesh_digest.unwrap_or_default() {
+    let Provenance { origin, folder, mesh_digest: digest, .. } = read::provenance(path)?;
+    let (scene, source) = Scene::within(&path.display().to_string(), Path::new(&folder), &origin.scene, overrides)?;
+    if mesh_digest(&scene).unwrap_or_default() != digest.unwrap_or_default() {
         return Err(Error::Usage(changed(path, &scene)));
     }
     Ok(Given { source, is_of_result: true, stored_options: origin.petsc_options })

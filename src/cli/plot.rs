@@ -144,9 +144,9 @@ fn plot_sweep(file: &Path, out: &Path, name: &str) -> Result<()> {
     if !(0..status.len()).any(|member| is_done(&member)) {
         return refuse("no member of the sweep is done".into());
     }
-    let (title, results) = (header.title.clone(), sweep.quantity(quantity));
+    let (title, results) = (header.origin.title.clone(), sweep.quantity(quantity));
     if quantity == record::Quantity::LargestStressFace {
-        drawn.names = names_of_faces(&header.scene, results);
+        drawn.names = names_of_faces(&header.origin.scene, results);
     }
     if !results.iter().any(|result| result.is_finite()) {
         return refuse(format!("no member of the sweep has a {}", drawn.label));

@@ -10,7 +10,7 @@ use crate::impact::checkpoint::{Checkpoint, Visitor};
 use crate::model::Simulation;
 use crate::record::checkpoint::{StoredCheckpoint, beside};
 use crate::record::episodes::Episodes;
-use crate::record::provenance::Provenance;
+use crate::record::provenance::{Origin, Provenance};
 use crate::record::read;
 use crate::record::series::{Earlier, Points};
 use crate::record::target::is_same;
@@ -81,14 +81,14 @@ fn check_complete(
     (scene, text): (&Scene, &str),
 ) -> std::result::Result<(), String> {
     let shown = result.display();
-    let of_result = parsed(&shown.to_string(), &origin.scene, scene)?;
+    let of_result = parsed(&shown.to_string(), &origin.origin.scene, scene)?;
     let end = of_result.time.end;
     let mut same = of_result;
     same.time.end = scene.time.end;
     if same != *scene {
         return Err(format!(
             "{shown} is complete and of another scene ({}): without --restart this one is run anew",
-            differing(&origin.scene, text, result)
+            differing(&origin.origin.scene, text, result)
         ));
     }
     if end != scene.time.end {
@@ -110,13 +110,13 @@ fn check_complete(
 /// A run without a checkpoint begins again. Its scene must be the same, except for the end and the output.
 fn check_begun(origin: &Provenance, result: &Path, (scene, text): (&Scene, &str)) -> std::result::Result<(), String> {
     let shown = result.display();
-    let mut same = parsed(&shown.to_string(), &origin.scene, scene)?;
+    let mut same = parsed(&shown.to_string(), &origin.origin.scene, scene)?;
     same.output = scene.output.clone();
     same.time.end = scene.time.end;
     if same != *scene {
         return Err(format!(
             "{shown} is of another scene ({}), and has no checkpoint: without --restart, --force replaces it",
-            differing(&origin.scene, text, result)
+            differing(&origin.origin.scene, text, result)
         ));
     }
     Ok(())
@@ -189,7 +189,7 @@ pub fn go_on(
 ) -> Result<Option<(Earlier, Summary)>> {
     let named = |why: String| format!("{}: {why}", beside(result).display());
     let past = moment.as_ref().map(|moment| {
-        for note in differences(&moment.origin, provenance) {
+        for note in differences(&moment.origin.origin, &provenance.origin) {
             tell(format_args!("note: {} {note}", result.display()));
         }
         earlier(moment, result, points, named)
@@ -210,9 +210,9 @@ pub fn go_on(
 }
 
 /// Notes on differences in the versions and the options between an earlier run and now.
-fn differences(origin: &Provenance, now: &Provenance) -> Vec<String> {
-    let of = |provenance: &Provenance| {
-        let Provenance { version, commit, petsc_version, .. } = provenance;
+fn differences(origin: &Origin, now: &Origin) -> Vec<String> {
+    let of = |origin: &Origin| {
+        let Origin { version, commit, petsc_version, .. } = origin;
         format!("ricochet {version} ({commit}) and PETSc {petsc_version}")
     };
     let mut all = Vec::new();

@@ -5,11 +5,12 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
-use petsc_wrap::{Comm, options, petsc_version};
+use petsc_wrap::Comm;
 
 use crate::agree::{decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
+use crate::record::provenance::Origin;
 use crate::record::stress::StrengthVerdict;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Shard, SweepWriter};
 use crate::scene::{Model, Scene, Source};
@@ -20,6 +21,7 @@ use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::members::{MemberFacts, Remarks, tell_of_idle_keys};
 use super::progress::Items;
+use super::provenance::origin;
 use super::{Sweep, note, say, short, tell, warn_of_unused_options};
 
 /// Key whose values are files. Their contents are stored in the scenes of the members.
@@ -173,13 +175,7 @@ fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result
 fn header(comm: &Comm, arguments: &Sweep, grid: &Grid, (scene, source): (&Scene, &Source)) -> Result<Header> {
     let probes = scene.output.probes.iter().map(|probe| probe.name.clone());
     Ok(Header {
-        title: scene.title.clone(),
-        scene: source.text().to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        commit: env!("RICOCHET_COMMIT").to_owned(),
-        petsc_version: petsc_version(),
-        petsc_options: options::all(comm.session())?,
-        ranks: comm.size(),
+        origin: origin(comm, scene, source)?,
         keys: grid.keys(),
         has_series: arguments.series,
         probes: if arguments.series { probes.collect() } else { Vec::new() },
@@ -201,13 +197,10 @@ impl SweepRecorder {
     fn open(arguments: &Sweep, header: &Header) -> Result<Self> {
         let output = arguments.shard.map_or(arguments.output.clone(), |shard| shard.path(&arguments.output));
         let writer = SweepWriter::open(&output, header)?;
-        if writer.header().commit != header.commit {
-            note(format_args!(
-                "note: {} was begun by another version of ricochet, {} ({})",
-                output.display(),
-                writer.header().version,
-                writer.header().commit
-            ));
+        let Origin { version, commit, .. } = &writer.header().origin;
+        if *commit != header.origin.commit {
+            let output = output.display();
+            note(format_args!("note: {output} was begun by another version of ricochet, {version} ({commit})"));
         }
         let mut recorder = Self { writer, progress: Items::new(0, "members"), output, before: 0 };
         if arguments.shard.is_none() && !recorder.missing().is_empty() {

@@ -31,7 +31,7 @@ pub fn section(data: &Data) -> Section {
             "This version of ricochet cannot read the scene ({reason}), so it is given by its text alone."
         ))),
     }
-    let text = data.provenance.scene.trim_end().to_owned();
+    let text = data.provenance.origin.scene.trim_end().to_owned();
     parts.push(Block::Fold(Fold { title: "Full text of the scene (TOML, SI units)".to_owned(), text }));
     Section { id: "scene", title: "Scene", parts }
 }

@@ -21,22 +21,12 @@ pub(super) fn chunk(members: usize) -> usize {
 /// Creates the file at `path` with its attributes and all its datasets.
 pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     let (file, members) = (storage::create(path)?, header.members());
-    for (name, text) in [
-        ("kind", KIND),
-        ("title", &header.title),
-        ("version", &header.version),
-        ("commit", &header.commit),
-        ("petsc_version", &header.petsc_version),
-        ("petsc_options", &header.petsc_options),
-    ] {
-        write_text(&file, name, text)?;
-    }
-    write_long_text(&file, "scene", &header.scene)?;
+    write_text(&file, "kind", KIND)?;
+    header.origin.write(&file)?;
     // A name in each line.
     write_long_text(&file, "probes", &header.probes.join("\n"))?;
     let paths: Vec<&str> = header.keys.iter().map(|key| key.path.as_str()).collect();
     write_text(&file, "vary", &paths.join("\n"))?;
-    write_scalar(&file, "ranks", header.ranks as u64)?;
     write_scalar(&file, "series", header.has_series)?;
     write_scalar(&file, "complete", false)?;
     if let Some((i, n)) = header.shard {

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::record::columns::{CONTACTS, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
+use crate::record::provenance::Origin;
 use crate::record::read::open;
 use crate::record::storage::{self, decoded, long_text, read_list, text, words};
 use hdf5_metno as hdf5;
@@ -137,7 +138,6 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
 }
 
 fn header(file: &hdf5::File) -> hdf5::Result<Header> {
-    let number = |name: &str| file.attr(name)?.read_scalar::<u64>().map(|number| number as usize);
     let lines = |text: String| -> Vec<String> { text.lines().map(str::to_owned).collect() };
     let shard = match read_list::<u64>(file, "shard").ok().as_deref() {
         None => None,
@@ -145,13 +145,7 @@ fn header(file: &hdf5::File) -> hdf5::Result<Header> {
         Some(_) => return Err("its shard is not i of n".into()),
     };
     Ok(Header {
-        title: text(file, "title")?,
-        scene: long_text(file, "scene")?,
-        version: text(file, "version")?,
-        commit: text(file, "commit")?,
-        petsc_version: text(file, "petsc_version")?,
-        petsc_options: text(file, "petsc_options")?,
-        ranks: number("ranks")?,
+        origin: Origin::read(file)?,
         keys: lines(text(file, "vary")?).iter().map(|path| key(file, path)).collect::<hdf5::Result<_>>()?,
         has_series: file.attr("series")?.read_scalar()?,
         probes: lines(long_text(file, "probes")?),

@@ -175,8 +175,8 @@ pub fn comparable(path: &Path, history: History) -> Result<History> {
 /// # Errors
 /// [`Error::Io`] with the keys that differ.
 pub fn check_same_impact(path: &Path, scene: &Scene, text: &str) -> Result<()> {
-    let Provenance { scene: there, folder, .. } = read::provenance(path)?;
-    let (mut other, _) = Scene::within(&path.display().to_string(), Path::new(&folder), &there, &[])?;
+    let Provenance { origin, folder, .. } = read::provenance(path)?;
+    let (mut other, _) = Scene::within(&path.display().to_string(), Path::new(&folder), &origin.scene, &[])?;
     let Body { composition, temperature, geometry, .. } = other.body;
     let geometry = match (geometry, &scene.body.geometry) {
         (Geometry::Box { size, .. }, Geometry::Box { size: same, .. }) if size == *same => scene.body.geometry.clone(),
@@ -213,7 +213,7 @@ pub fn check_same_impact(path: &Path, scene: &Scene, text: &str) -> Result<()> {
         "contact.table",
         "contact.damping",
     ];
-    let mut keys = differences(&there, text);
+    let mut keys = differences(&origin.scene, text);
     keys.retain(|key| of_impact.iter().any(|start| key.starts_with(start)));
     Err(Error::io(path, format!("is of another impact: other values of {}", keys.join(", "))))
 }
