@@ -97,8 +97,8 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         recorder.writer.finish()?;
         let has_strength = facts.iter().any(|facts| facts.has_strength);
         recorder.print(&grid, has_strength, begin.elapsed().as_secs_f64());
-        Remarks::of_results(&recorder.writer, &facts).tell(&grid);
-        tell_of_idle_keys(&grid, &recorder.writer);
+        Remarks::of_results(recorder.writer.sweep(), &facts).tell(&grid);
+        tell_of_idle_keys(&grid, recorder.writer.sweep());
         if flow.is_break() {
             let (missing, them) = match recorder.missing().len() {
                 1 => ("1 member is".to_owned(), "it"),
@@ -197,7 +197,7 @@ impl SweepRecorder {
     fn open(arguments: &Sweep, header: &Header) -> Result<Self> {
         let output = arguments.shard.map_or(arguments.output.clone(), |shard| shard.path(&arguments.output));
         let writer = SweepWriter::open(&output, header)?;
-        let Origin { version, commit, .. } = &writer.header().origin;
+        let Origin { version, commit, .. } = &writer.sweep().header.origin;
         if *commit != header.origin.commit {
             let output = output.display();
             note(format_args!("note: {output} was begun by another version of ricochet, {version} ({commit})"));
@@ -215,7 +215,7 @@ impl SweepRecorder {
 
     fn take_over(&mut self, path: &Path) -> Result<()> {
         let part = Shard::read(path)?;
-        let differs = self.writer.header().check_same(&part.header);
+        let differs = self.writer.sweep().header.check_same(&part.header);
         differs.map_err(|why| Error::io(path, format!("{why}: it cannot be a part of {}", self.output.display())))?;
         let mut count = 0;
         for index in self.missing() {
@@ -232,7 +232,7 @@ impl SweepRecorder {
 
     /// Members that belong in this file and are missing.
     fn missing(&self) -> Vec<usize> {
-        self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Missing).collect()
+        self.writer.mine().filter(|member| self.writer.sweep().status[*member] == Status::Missing).collect()
     }
 
     fn keep(&mut self, member: Option<Member>) -> Result<()> {
@@ -242,7 +242,7 @@ impl SweepRecorder {
     }
 
     fn count(&self, status: Status) -> usize {
-        self.writer.mine().filter(|member| self.writer.status()[*member] == status).count()
+        self.writer.mine().filter(|member| self.writer.sweep().status[*member] == status).count()
     }
 
     /// Exit status of a completed sweep.
@@ -257,9 +257,9 @@ impl SweepRecorder {
     /// Prints the sweep in a few lines; with a strength, also the tensions.
     fn print(&self, grid: &Grid, has_strength: bool, time: f64) {
         let done: Vec<usize> =
-            self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Done).collect();
+            self.writer.mine().filter(|member| self.writer.sweep().status[*member] == Status::Done).collect();
         let of = |quantity: Quantity| {
-            let values = self.writer.quantity(quantity);
+            let values = self.writer.sweep().quantity(quantity);
             done.iter().map(|member| (values[*member], *member))
         };
         let by_value = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0);
@@ -304,8 +304,8 @@ impl SweepRecorder {
             say(format_args!("largest tension {low} to {high} MPa, the largest of {}; {strength}", grid.name(at)));
         }
         let failed = self.count(Status::Failed) + self.count(Status::Refused);
-        let is_failed = |member: usize| self.writer.status()[member] != Status::Done;
-        if let Some((first, why)) = self.writer.messages().iter().find(|(member, _)| is_failed(**member)) {
+        let is_failed = |member: usize| self.writer.sweep().status[member] != Status::Done;
+        if let Some((first, why)) = self.writer.sweep().messages.iter().find(|(member, _)| is_failed(**member)) {
             say(format_args!("failed: {failed}, the first of them {}: {why}", grid.name(*first)));
         }
         let there = if self.before > 0 { format!(", {} of them were there", self.before) } else { String::new() };

@@ -63,20 +63,28 @@ pub(super) fn new_datasets<T>(
     columns: &[Column<T>],
     chunk: usize,
 ) -> hdf5::Result<Vec<hdf5::Dataset>> {
-    let new = |column: &Column<T>| {
-        let dataset = file
-            .new_dataset::<f64>()
-            .shape((0..,))
-            .chunk((chunk,))
-            // Without a chunk cache and a fill value, only new rows are written; the rest of a chunk is a hole in the
-            // file.
-            .chunk_cache(0, 0, 1.0)
-            .fill_time(FillTime::Never)
-            .create(column.path)?;
-        write_text(&dataset, "units", column.units)?;
-        Ok(dataset)
-    };
+    let new = |column: &Column<T>| new_rows::<f64>(file, column.path, column.units, None, chunk);
     columns.iter().map(new).collect()
+}
+
+/// Creates an empty dataset that is extensible by rows, of `columns` values each if given; `chunk` is the number of rows in a
+/// chunk.
+pub(super) fn new_rows<T: hdf5::H5Type>(
+    group: &hdf5::Group,
+    path: &str,
+    units: &str,
+    columns: Option<usize>,
+    chunk: usize,
+) -> hdf5::Result<hdf5::Dataset> {
+    let builder = group.new_dataset::<T>();
+    let builder = match columns {
+        None => builder.shape((0..,)).chunk((chunk,)),
+        Some(columns) => builder.shape((0.., columns)).chunk((chunk, columns)),
+    };
+    // Without a chunk cache and a fill value, only new rows are written; the rest of a chunk is a hole in the file.
+    let dataset = builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never).create(path)?;
+    write_text(&dataset, "units", units)?;
+    Ok(dataset)
 }
 
 /// Writes `records` to the rows from `first` on, and cuts the datasets after them.

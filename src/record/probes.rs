@@ -1,10 +1,10 @@
 //! Datasets of probes, `/series/probe/<name>/…`, with three values in each row.
 
 use hdf5_metno as hdf5;
-use hdf5_metno::plist::dataset_create::FillTime;
 use ndarray::ArrayView2;
 
 use crate::impact::Probe;
+use crate::record::columns::new_rows;
 use crate::record::storage::{self, write_text};
 use crate::scene::Vec3;
 
@@ -74,16 +74,7 @@ impl ProbeDatasets {
     pub fn new(file: &hdf5::File, names: &[String], chunk: usize) -> hdf5::Result<Self> {
         let new = |name: &String| {
             let [a, b, c] = COLUMNS.map(|(column, units, _)| {
-                let dataset = file
-                    .new_dataset::<f64>()
-                    .shape((0.., 3))
-                    .chunk((chunk, 3))
-                    // As for the series: only new rows are written; the rest of a chunk is a hole in the file.
-                    .chunk_cache(0, 0, 1.0)
-                    .fill_time(FillTime::Never)
-                    .create(format!("series/probe/{name}/{column}").as_str())?;
-                write_text(&dataset, "units", units)?;
-                Ok::<_, hdf5::Error>(dataset)
+                new_rows::<f64>(file, &format!("series/probe/{name}/{column}"), units, Some(3), chunk)
             });
             Ok([a?, b?, c?])
         };

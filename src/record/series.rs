@@ -124,13 +124,9 @@ impl SeriesWriter {
     /// Same as [`Self::create`].
     pub fn with_points(path: &Path, provenance: &Provenance, points: &Points) -> Result<Self> {
         target::check_writable(path, target::Kind::Run)?;
-        let part = target::part(&target::resolved(path))?;
-        let begun = begin(&part, provenance, points);
-        if begun.is_err() {
-            // The present error says more than an error of the removal.
-            let _ = fs::remove_file(&part);
-        }
-        let Begun { file, series, contacts, probes, tensions, map } = begun.map_err(|e| not_written(path, &e))?;
+        let begin = |part: &Path| begin(part, provenance, points).map_err(|e| not_written(path, &e));
+        let (part, begun) = target::write_part(&target::resolved(path), begin)?;
+        let Begun { file, series, contacts, probes, tensions, map } = begun;
         Ok(Self {
             path: path.to_owned(),
             run_id: provenance.run_id,

@@ -3,10 +3,9 @@
 use super::member::Quantity;
 use super::write::{KIND, Message};
 use super::{Header, Values};
-use crate::record::columns::{CONTACTS, new_datasets};
+use crate::record::columns::{CONTACTS, new_datasets, new_rows};
 use crate::record::storage::{self, write_long_text, write_scalar, write_text, write_words};
 use hdf5_metno as hdf5;
-use hdf5_metno::plist::dataset_create::FillTime;
 use std::path::Path;
 
 /// Number of contacts reserved for each member; minimum and maximum number of contacts in a chunk.
@@ -49,9 +48,7 @@ pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     write_text(&message, "units", "1")?;
     Quantity::ALL.iter().try_for_each(|quantity| new_quantity(&file, quantity, members))?;
     let chunk = chunk(members);
-    let member = file.new_dataset::<u64>().shape((0..,)).chunk((chunk,)).fill_time(FillTime::Never);
-    let member = member.chunk_cache(0, 0, 1.0).create("contacts/member")?;
-    write_text(&member, "units", "1")?;
+    new_rows::<u64>(&file, "contacts/member", "1", None, chunk)?;
     new_datasets(&file, &CONTACTS, chunk)?;
     if header.has_series {
         file.create_group("series")?;

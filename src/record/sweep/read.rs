@@ -30,9 +30,10 @@ pub struct Sweep {
     /// did not reach the disk.
     pub(super) matches_file_contacts: bool,
     /// Reasons for the failures, by member.
-    pub(super) messages: BTreeMap<usize, String>,
-    path: PathBuf,
-    file: hdf5::File,
+    pub messages: BTreeMap<usize, String>,
+    pub(super) path: PathBuf,
+    /// Open file.
+    pub(super) file: hdf5::File,
 }
 
 /// Whether a file is a sweep.
@@ -95,11 +96,6 @@ impl Sweep {
             member.probes = self.header.probes.iter().map(of_probe).collect::<hdf5::Result<_>>()?;
         }
         Ok(member)
-    }
-
-    /// Open file of the sweep.
-    pub(super) fn file(&self) -> &hdf5::File {
-        &self.file
     }
 }
 
