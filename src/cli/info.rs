@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::impact::estimated;
 use crate::record::checkpoint::is_there;
+use crate::record::episodes::Episode;
 use crate::record::extremes::{Extreme, Extremes, extremes};
 use crate::record::provenance::{Cost, Origin, Provenance};
 use crate::record::read::{history, origin};
@@ -58,26 +59,17 @@ struct RunFacts {
     #[serde(skip_serializing_if = "Option::is_none")]
     restart: Option<PathBuf>,
     largest: Option<Extremes>,
-    contacts: Vec<ContactFacts>,
+    contacts: Vec<Episode>,
     /// Warnings and notes of the run.
     warnings: Vec<String>,
     #[serde(flatten)]
     cost: Cost,
 }
 
-/// A contact: start (s), end (s) and impulse (N s).
-#[derive(Serialize)]
-struct ContactFacts {
-    start: f64,
-    end: f64,
-    impulse: f64,
-}
-
 impl RunFacts {
     fn read(path: &Path) -> Result<Self> {
         let (provenance, cost, is_complete) = origin(path)?;
         let history = history(path)?;
-        let contacts = history.contacts.iter().zip(&history.impulses);
         let can_go_on = !is_complete && is_there(path, provenance.run_id);
         Ok(Self {
             warnings: provenance.warnings.lines().map(str::to_owned).collect(),
@@ -86,7 +78,7 @@ impl RunFacts {
             is_complete,
             restart: can_go_on.then(|| path.to_owned()),
             largest: extremes(path)?,
-            contacts: contacts.map(|(&(start, end), &impulse)| ContactFacts { start, end, impulse }).collect(),
+            contacts: history.contacts,
             provenance,
             cost,
         })
@@ -109,7 +101,7 @@ impl RunFacts {
                 say(format_args!("           {line}"));
             }
         }
-        for ContactFacts { start, end, impulse } in &self.contacts {
+        for Episode { start, end, impulse, .. } in &self.contacts {
             say(format_args!("contact    {} to {} ms, {} N s", short(1e3 * start), short(1e3 * end), short(*impulse)));
         }
         let Cost { error_estimate, total, model, setup, steps, solves, newton_iterations, .. } = self.cost;

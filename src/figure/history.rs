@@ -6,6 +6,7 @@ use super::legend::{Entry, LETTERS, LINE, MARGIN, draw_legend, draw_title};
 use super::output::{inline, save};
 use super::stroke::{LIMIT, MAX_STROKES, Stroke, TOTAL, is_like_total, stroke, thinned};
 use crate::error::{Error, Result};
+use crate::record::episodes::Episode;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 use std::path::Path;
@@ -30,8 +31,8 @@ pub struct RunCurves {
     pub time: Vec<f64>,
     /// The quantity, or one curve for each of its components.
     pub curves: Vec<Curve>,
-    /// Start and end of each contact, s.
-    pub contacts: Vec<(f64, f64)>,
+    /// The contacts.
+    pub contacts: Vec<Episode>,
 }
 
 /// One curve.
@@ -203,7 +204,7 @@ impl History {
             curves += run.curves.len();
             let y = top + (n as f64 + 0.5) * pitch - 3.0;
             let half = (0.36 * pitch).min(6.0);
-            for &(start, end) in &run.contacts {
+            for &Episode { start, end, .. } in &run.contacts {
                 if !(start.is_finite() && end.is_finite()) {
                     continue;
                 }

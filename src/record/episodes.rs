@@ -22,6 +22,13 @@ pub struct Episode {
     pub impulse: f64,
 }
 
+impl Episode {
+    /// The episode of a row of the table of contacts.
+    pub(super) fn of_columns([start, end, peak_force, peak_time, impulse]: [f64; 5]) -> Self {
+        Self { start, end, peak_force, peak_time, impulse }
+    }
+}
+
 /// Contact episodes of a sequence of steps.
 #[derive(Debug, Clone, Default)]
 pub struct Episodes {

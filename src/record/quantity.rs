@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::record::columns::SERIES;
+use crate::record::episodes::Episode;
 use crate::record::read::{check_run, column, contacts, not_result, open};
 use crate::record::storage::{self, text};
 use crate::record::stress::{STRESS_MAP, order};
@@ -21,8 +22,8 @@ pub struct Quantity {
     pub time: Vec<f64>,
     /// Components; one for a scalar.
     pub parts: Vec<Component>,
-    /// Start and end of each contact episode, s.
-    pub contacts: Vec<(f64, f64)>,
+    /// Contact episodes.
+    pub contacts: Vec<Episode>,
 }
 
 /// Component of a quantity.

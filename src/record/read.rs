@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::impact::Probe;
 use crate::impact::step::Step;
-use crate::record::columns::{Column, SERIES};
+use crate::record::columns::{CONTACTS, Column, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance};
@@ -23,10 +23,8 @@ pub struct History {
     pub time: Vec<f64>,
     /// Deceleration F/m0 of the impactor at each row, m/s².
     pub acceleration: Vec<f64>,
-    /// Start and end of each contact episode, s.
-    pub contacts: Vec<(f64, f64)>,
-    /// Impulse ∫ F dt of each contact episode, N s.
-    pub impulses: Vec<f64>,
+    /// Contact episodes.
+    pub contacts: Vec<Episode>,
 }
 
 /// Provenance of a result.
@@ -105,9 +103,8 @@ pub fn history(path: &Path) -> Result<History> {
     time.truncate(rows);
     acceleration.truncate(rows);
     let contacts = contacts(&file, path)?;
-    let impulses = column(&file, path, "contacts/impulse")?;
     let title = text(&file, "title").map_err(|_| not_result(path, "it has no title"))?;
-    Ok(History { title, time, acceleration, contacts, impulses })
+    Ok(History { title, time, acceleration, contacts })
 }
 
 /// Contact episodes of a result.
@@ -126,25 +123,15 @@ pub struct Contacts {
 pub fn episodes(path: &Path) -> Result<Contacts> {
     let file = open(path)?;
     check_run(&file, path)?;
-    let of = |name: &str| column(&file, path, &format!("contacts/{name}"));
-    let (start, end, impulse) = (of("start")?, of("end")?, of("impulse")?);
-    let (peak_force, peak_time) = (of("peak_force")?, of("peak_time")?);
-    let count = [&end, &impulse, &peak_force, &peak_time].iter().fold(start.len(), |count, of| count.min(of.len()));
-    let episode = |n: usize| Episode {
-        start: start[n],
-        end: end[n],
-        peak_force: peak_force[n],
-        peak_time: peak_time[n],
-        impulse: impulse[n],
-    };
     let open_at_end = file.group("contacts").and_then(|group| group.attr("open_at_end")?.read_scalar::<bool>());
-    Ok(Contacts { episodes: (0..count).map(episode).collect(), is_open: open_at_end.unwrap_or_default() })
+    Ok(Contacts { episodes: contacts(&file, path)?, is_open: open_at_end.unwrap_or_default() })
 }
 
-/// Start and end of each contact episode of a result, s.
-pub(super) fn contacts(file: &hdf5::File, path: &Path) -> Result<Vec<(f64, f64)>> {
-    let (start, end) = (column(file, path, "contacts/start")?, column(file, path, "contacts/end")?);
-    Ok(start.into_iter().zip(end).collect())
+/// Contact episodes of a result. After a kill, only those that are in all datasets.
+pub(super) fn contacts(file: &hdf5::File, path: &Path) -> Result<Vec<Episode>> {
+    let columns = CONTACTS.iter().map(|of| column(file, path, of.path)).collect::<Result<Vec<_>>>()?;
+    let count = columns.iter().map(Vec::len).min().unwrap_or_default();
+    Ok((0..count).map(|n| Episode::of_columns(std::array::from_fn(|column| columns[column][n]))).collect())
 }
 
 /// Values of a one-dimensional dataset of a result.

@@ -111,9 +111,4 @@ impl Data {
     pub fn end(&self) -> f64 {
         self.force.time.last().copied().unwrap_or_default()
     }
-
-    /// Start and end of each contact, s.
-    pub fn touches(&self) -> Vec<(f64, f64)> {
-        self.contacts.episodes.iter().map(|episode| (episode.start, episode.end)).collect()
-    }
 }

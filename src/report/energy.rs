@@ -46,7 +46,7 @@ pub fn section(data: &Data) -> Result<Section> {
         time,
         curves: curves.map(|(name, values)| ((*name).to_owned(), *values)).collect(),
         limits: Vec::new(),
-        contacts: data.touches(),
+        contacts: data.contacts.episodes.clone(),
         caption: "Energies of impactor (kinetic), contact (indentation), body and supports, and their total. Those below a thousandth of the largest are left out.".to_owned(),
     };
     let mut sections = Vec::new();

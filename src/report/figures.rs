@@ -4,6 +4,8 @@ use crate::error::Result;
 use crate::figure::Sheet;
 use crate::figure::history::{Curve, History, Role, RunCurves, draw_inline};
 
+use crate::record::episodes::Episode;
+
 use super::number::{Units, unit_for};
 use super::page::Figure;
 
@@ -32,8 +34,8 @@ pub struct Curves<'a> {
     pub curves: Vec<(String, &'a [f64])>,
     /// Name and value of limits, drawn as horizontal lines.
     pub limits: Vec<(String, f64)>,
-    /// Start and end of each contact, s.
-    pub contacts: Vec<(f64, f64)>,
+    /// The contacts.
+    pub contacts: Vec<Episode>,
     /// Caption below the figure.
     pub caption: String,
 }

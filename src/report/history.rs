@@ -20,7 +20,7 @@ pub fn section(data: &Data) -> Result<Section> {
         time: &data.force.time,
         curves: vec![(String::new(), &data.force.values)],
         limits: Vec::new(),
-        contacts: data.touches(),
+        contacts: data.contacts.episodes.clone(),
         caption: format!(
             "Contact force. Divided by the impactor’s mass of {} it is the impactor’s deceleration, with a peak of {}. Bars below the axis show the contacts.",
             given(mass, MASS),
@@ -33,7 +33,7 @@ pub fn section(data: &Data) -> Result<Section> {
         time: &data.deflection.time,
         curves: vec![(String::new(), &data.deflection.values)],
         limits: Vec::new(),
-        contacts: data.touches(),
+        contacts: data.contacts.episodes.clone(),
         caption: "Displacement of the surface under the impactor, along the direction of impact.".to_owned(),
     };
     let parts = vec![Block::Figure(force.draw()?), Block::Figure(deflection.draw()?)];

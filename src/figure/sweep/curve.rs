@@ -8,6 +8,7 @@ use crate::figure::frame::{Frame, LETTERS, SMALL};
 use crate::figure::scale::{Scale, cells};
 use crate::figure::shade::shade;
 use crate::figure::stroke::stroke;
+use crate::record::episodes::Episode;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
@@ -31,8 +32,8 @@ impl Drawing for Curve {
         let numbers = || self.members.iter().map(|member| member.result);
         let (least, largest) = (numbers().fold(0.0, f64::min), numbers().fold(0.0, f64::max));
         let contacts = || self.members.iter().flat_map(|member| &member.contacts);
-        let end = 1e3 * contacts().map(|contact| contact.1).fold(0.0, f64::max);
-        let forces = Scale::of_colours(contacts().map(|contact| contact.2), true);
+        let end = 1e3 * contacts().map(|contact| contact.end).fold(0.0, f64::max);
+        let forces = Scale::of_colours(contacts().map(|contact| contact.peak_force), true);
         let times = Axis::spanning(0.0, end);
         let results = match &self.quantity.names[..] {
             [] => {
@@ -104,10 +105,10 @@ impl Member {
         // gaps.
         let part = if right - left > 6.0 { 0.76 } else { 1.0 };
         let (left, right) = (at - part * (at - left), at + part * (right - at));
-        for (start, end, force) in &self.contacts {
+        for Episode { start, end, peak_force, .. } in &self.contacts {
             let (bottom, top) = (frame.at_y(1e3 * start), frame.at_y(1e3 * end));
             let corners = ((left, top.min(bottom - 1.5)), (right.max(left + 1.0), bottom));
-            canvas.rectangle(corners.0, corners.1, colour(forces.place(*force)))?;
+            canvas.rectangle(corners.0, corners.1, colour(forces.place(*peak_force)))?;
         }
         Ok(())
     }

@@ -6,6 +6,7 @@ mod field;
 use super::output::save;
 use super::scale::Scale;
 use crate::error::Result;
+use crate::record::episodes::Episode;
 use std::path::Path;
 
 /// A varied key and its unit.
@@ -50,8 +51,8 @@ pub struct Member {
     pub value: f64,
     /// Value of the quantity; NaN if the member has none.
     pub result: f64,
-    /// Start and end, s, and peak force, N, of each contact.
-    pub contacts: Vec<(f64, f64, f64)>,
+    /// The contacts.
+    pub contacts: Vec<Episode>,
 }
 
 /// A sweep over two keys.

@@ -1,6 +1,6 @@
 //! Reads a sweep.
 
-use super::member::{Member, Quantity, Status, episode};
+use super::member::{Member, Quantity, Status};
 use super::{Header, Key, Values};
 use crate::error::{Error, Result};
 use crate::record::columns::{CONTACTS, SERIES};
@@ -71,6 +71,14 @@ impl Sweep {
         &self.quantities[quantity as usize]
     }
 
+    /// Contacts of a member.
+    pub fn contacts_of(&self, index: usize) -> Vec<Episode> {
+        // They are sorted by member, so a binary search finds them.
+        let from = self.contacts.partition_point(|(member, _)| *member < index);
+        let of_member = self.contacts[from..].iter().take_while(|(member, _)| *member == index);
+        of_member.map(|(_, contact)| *contact).collect()
+    }
+
     /// All data of a member.
     ///
     /// # Errors
@@ -85,10 +93,7 @@ impl Sweep {
         member.status = self.status[index];
         member.message = self.messages.get(&index).cloned().unwrap_or_default();
         member.quantities = std::array::from_fn(|n| self.quantities[n][index]);
-        // The contacts are sorted by member, so a binary search finds them.
-        let from = self.contacts.partition_point(|(member, _)| *member < index);
-        let of_member = self.contacts[from..].iter().take_while(|(member, _)| *member == index);
-        member.contacts = of_member.map(|(_, contact)| *contact).collect();
+        member.contacts = self.contacts_of(index);
         if self.header.has_series && member.status == Status::Done {
             let column = |path: &str| storage::read(&self.file, &series_path(index, path));
             member.series = Some(SERIES.iter().map(|column_of| column(column_of.path)).collect::<hdf5::Result<_>>()?);
@@ -121,7 +126,7 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let columns = columns.collect::<hdf5::Result<Vec<_>>>()?;
     let rows = columns.iter().map(Vec::len).fold(of_rows.len(), usize::min);
     let longest = columns.iter().map(Vec::len).fold(of_rows.len(), usize::max);
-    let row = |n: usize| (of_rows[n] as usize, episode(std::array::from_fn(|column| columns[column][n])));
+    let row = |n: usize| (of_rows[n] as usize, Episode::of_columns(std::array::from_fn(|column| columns[column][n])));
     let is_done = |(member, _): &(usize, Episode)| status.get(*member) == Some(&Status::Done);
     let mut contacts: Vec<(usize, Episode)> = (0..rows).map(row).filter(is_done).collect();
     let matches_file_contacts = contacts.len() == longest && contacts.is_sorted_by_key(|(member, _)| *member);

@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::Errors;
 use crate::error::{Error, Result};
+use crate::record::episodes::Episode;
 use crate::record::provenance::Provenance;
 use crate::record::read;
 use crate::record::stress::Stresses;
@@ -127,9 +128,9 @@ fn fault(error: &csv::Error) -> String {
 /// [`Error::Io`] if the file cannot be read or is not such a series.
 pub fn history(path: &Path, mass: f64) -> Result<History> {
     if path.extension().is_some_and(|extension| extension == "h5") {
-        let read::History { time, acceleration, contacts, impulses, .. } = read::history(path)?;
-        let contact = |((start, end), impulse)| Contact { start, end, impulse };
-        let history = History::new(time, acceleration, contacts.into_iter().zip(impulses).map(contact).collect());
+        let read::History { time, acceleration, contacts, .. } = read::history(path)?;
+        let contact = |Episode { start, end, impulse, .. }| Contact { start, end, impulse };
+        let history = History::new(time, acceleration, contacts.into_iter().map(contact).collect());
         let tension = Stresses::read(path)?.map(|stresses| stresses.largest_of_rows()).unwrap_or_default();
         return Ok(history.with_tension(tension));
     }
