@@ -6,6 +6,7 @@ use super::stroke::Stroke;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
+/// Size of the letters: letters of half this size, as in a figure shown with a width of 800 pixels, are still readable.
 pub(super) const LETTERS: f64 = 30.0;
 /// Smallest distance between neighbouring labels of the horizontal axis.
 const APART: f64 = 8.0;
@@ -13,6 +14,9 @@ pub(super) const SMALL: f64 = 24.0;
 const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
 pub(super) const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
 pub(super) const TICK: f64 = 8.0;
+/// Colours of texts and marks, and of what lies under them.
+pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
+pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
 
 /// A rectangular part of the sheet (its edges in pixels) with a horizontal and a vertical axis.
 pub(super) struct Frame {
@@ -78,6 +82,14 @@ impl Frame {
             line(canvas, (x, self.top), (x, self.bottom), &FRAME)?;
         }
         Ok(())
+    }
+}
+
+/// Title of an axis with its unit, if it has one.
+pub(super) fn titled(title: &str, unit: &str) -> String {
+    match unit.trim() {
+        "" => title.to_owned(),
+        unit => format!("{title} ({unit})"),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Draws work-precision charts: wall time and error of the settings of several methods.
 
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
-use super::frame::{Frame, LETTERS, SMALL, line};
+use super::frame::{Frame, INK, LETTERS, PAPER, SMALL, line};
 use super::output::save;
 use super::scale::Scale;
 use super::stroke::{COLOURS, MAX_STROKES, Stroke, stroke};
@@ -79,8 +79,6 @@ const TITLES: [&str; PANELS] =
 
 const FRONT: Stroke = Stroke { colour: RGBColor(255, 221, 130), width: 13.0, dashes: &[] };
 const UNKNOWN: RGBColor = RGBColor(238, 238, 238);
-const INK: RGBColor = RGBColor(30, 30, 30);
-const PAPER: RGBColor = RGBColor(255, 255, 255);
 
 impl Precision {
     fn settings(&self) -> impl Iterator<Item = &Setting> {

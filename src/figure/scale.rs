@@ -29,6 +29,12 @@ impl Scale {
         Self { low, high, is_log, names: Vec::new() }
     }
 
+    /// Makes a linear axis with rounded limits that enclose `low` and `high`.
+    pub fn spanning(low: f64, high: f64) -> Self {
+        let Axis { low, high, .. } = Axis::spanning(low, high);
+        Self::new(low, high, false)
+    }
+
     /// Makes an axis of the values 0, 1, … with names.
     pub fn named(names: &[String]) -> Self {
         Self { names: names.to_vec(), ..Self::new(-0.5, names.len() as f64 - 0.5, false) }

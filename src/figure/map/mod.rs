@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::figure::axis::exponential;
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
+use crate::figure::frame::{FRAME, INK, PAPER, line, titled};
 use crate::figure::output::save;
 use crate::figure::scale::Scale;
 use crate::figure::shade::{MISSING, shade};
@@ -90,10 +91,7 @@ const REACH: f64 = std::f64::consts::SQRT_2;
 /// Smallest and largest power of ten of the colour scale.
 const SCALE: (i32, i32) = (-6, 0);
 const UNBOUNDED: RGBColor = RGBColor(213, 94, 0);
-const INK: RGBColor = RGBColor(30, 30, 30);
-const PAPER: RGBColor = RGBColor(255, 255, 255);
 const LIMIT: Stroke = Stroke { colour: INK, width: 5.0, dashes: &[] };
-const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
 /// Strokes of the marks, in their order.
 const MARKS: [Stroke; 2] = [
     Stroke { colour: RGBColor(0, 120, 90), width: 3.0, dashes: &[4.0, 2.5] },
@@ -135,14 +133,6 @@ enum Side {
 /// Length of a tick, pixels.
 fn tick(is_labelled: bool) -> f64 {
     if is_labelled { 10.0 } else { 5.0 }
-}
-
-/// Title of an axis with its unit, if it has one.
-fn titled(title: &str, unit: &str) -> String {
-    match unit.trim() {
-        "" => title.to_owned(),
-        unit => format!("{title} ({unit})"),
-    }
 }
 
 /// Draws an arrow with the given tip, which points to a limit beyond the axis. `inwards` is 1 if the axis lies to the
@@ -209,7 +199,7 @@ impl Map {
         }
         for ((step, _), stroke) in self.marks.iter().zip(&MARKS).filter(|((step, _), _)| plot.holds(*step)) {
             let x = plot.at(*step);
-            canvas.line(&[canvas.point(x, TOP), canvas.point(x, BOTTOM)], stroke)?;
+            line(canvas, (x, TOP), (x, BOTTOM), stroke)?;
         }
         for (n, row) in self.rows.iter().enumerate() {
             let (top, middle) = (TOP + n as f64 * pitch, TOP + (n as f64 + 0.5) * pitch);
@@ -228,9 +218,7 @@ impl Map {
 
     /// Draws the frame, the ticks and the titles: time step below, time steps per contact above.
     fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, title: &str) -> Drawn {
-        let line = |from: (f64, f64), to: (f64, f64)| {
-            canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], &FRAME)
-        };
+        let line = |from: (f64, f64), to: (f64, f64)| line(canvas, from, to, &FRAME);
         for y in [TOP, BOTTOM] {
             line((plot.left, y), (plot.right, y))?;
         }
@@ -290,9 +278,7 @@ impl Map {
             }
         }
         entry(&self.good, &|x| canvas.dot((x + 18.0, y), 4.5, INK))?;
-        let upright = |x: f64, stroke: &Stroke| {
-            canvas.line(&[canvas.point(x + 18.0, y - 22.0), canvas.point(x + 18.0, y + 22.0)], stroke)
-        };
+        let upright = |x: f64, stroke: &Stroke| line(canvas, (x + 18.0, y - 22.0), (x + 18.0, y + 22.0), stroke);
         let sides: Vec<Side> = self.rows.iter().filter_map(|row| row.side(range)).collect();
         if sides.contains(&Side::Within) {
             entry("predicted limit", &|x| upright(x, &LIMIT))?;

@@ -1,10 +1,9 @@
 //! Draws a sweep over one key: a quantity, and below it the times of contact.
 
 use super::{Curve, Member, ascending};
-use crate::figure::axis::Axis;
 use crate::figure::bar::draw_bar;
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
-use crate::figure::frame::{Frame, LETTERS, SMALL};
+use crate::figure::frame::{Frame, LETTERS, SMALL, titled};
 use crate::figure::scale::{Scale, cells};
 use crate::figure::shade::shade;
 use crate::figure::stroke::stroke;
@@ -34,23 +33,17 @@ impl Drawing for Curve {
         let contacts = || self.members.iter().flat_map(|member| &member.contacts);
         let end = 1e3 * contacts().map(|contact| contact.end).fold(0.0, f64::max);
         let forces = Scale::of_colours(contacts().map(|contact| contact.peak_force), true);
-        let times = Axis::spanning(0.0, end);
+        let times = Scale::spanning(0.0, end);
         let results = match &self.quantity.names[..] {
-            [] => {
-                let Axis { low, high, .. } = Axis::spanning(1.02 * least, 1.02 * largest);
-                Scale::new(low, high, false)
-            }
+            [] => Scale::spanning(1.02 * least, 1.02 * largest),
             names => Scale::named(names),
         };
-        let times_scale = Scale::new(times.low, times.high, false);
-        let width = |label: &Option<String>| label.as_ref().map_or(0.0, |label| canvas.text_width(label, LETTERS));
-        let widest = |scale: &Scale| scale.ticks().iter().map(|(_, label)| width(label)).fold(0.0, f64::max);
-        let left = LEFT + widest(&results).max(widest(&times_scale));
+        let left = LEFT + canvas.widest(&results, LETTERS).max(canvas.widest(&times, LETTERS));
         let unit = results.unit(&self.quantity.unit);
         let x = || Scale::new(cells[0].0, cells[cells.len() - 1].1, self.key.is_log);
         let frame = |top: f64, bottom: f64, y: Scale| Frame { left, right: RIGHT, top, bottom, x: x(), y };
         let upper = frame(TOP, MIDDLE, results);
-        let lower = frame(MIDDLE + GAP, BOTTOM, times_scale);
+        let lower = frame(MIDDLE + GAP, BOTTOM, times);
 
         canvas.text(&self.title, (0.5 * (left + RIGHT), TITLE), LETTERS, Anchor::Centre)?;
         upper.draw_grid(canvas)?;
@@ -63,15 +56,16 @@ impl Drawing for Curve {
         }
         upper.draw_axes(canvas, false)?;
         lower.draw_axes(canvas, true)?;
-        let title = format!("peak force of the contact ({})", forces.unit("N"));
+        let title = titled("peak force of the contact", &forces.unit("N"));
         draw_bar(canvas, (RIGHT + 34.0, MIDDLE + GAP, BOTTOM), &forces, colour, &title)?;
         let upwards = |title: String, frame: &Frame| {
             let at = (MARGIN, 0.5 * (frame.top + frame.bottom));
             canvas.text(&title, at, SMALL, Anchor::Upwards)
         };
-        upwards(self.quantity.title(&unit), &upper)?;
-        upwards(format!("in contact, time ({})", times.unit("ms")), &lower)?;
-        canvas.text(&self.key.title(&lower.x), (0.5 * (left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)
+        upwards(titled(&self.quantity.label, &unit), &upper)?;
+        upwards(titled("in contact, time", &lower.y.unit("ms")), &lower)?;
+        let title = titled(&self.key.label, &lower.x.unit(&self.key.unit));
+        canvas.text(&title, (0.5 * (left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)
     }
 }
 

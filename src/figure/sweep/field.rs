@@ -3,7 +3,7 @@
 use super::{Field, ascending};
 use crate::figure::bar::draw_bar;
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
-use crate::figure::frame::{Frame, LETTERS, SMALL};
+use crate::figure::frame::{Frame, LETTERS, SMALL, titled};
 use crate::figure::scale::{Scale, cells};
 use crate::figure::shade::{MISSING, shade};
 use plotters::backend::DrawingBackend;
@@ -24,13 +24,7 @@ impl Drawing for Field {
             (values, cells, scale)
         };
         let ((across, columns, x), (up, rows, y)) = (axis(0), axis(1));
-        let widest = y
-            .ticks()
-            .iter()
-            .flat_map(|tick| &tick.1)
-            .map(|label| canvas.text_width(label, LETTERS))
-            .fold(0.0, f64::max);
-        let frame = Frame { left: LEFT + widest, right: RIGHT, top: TOP, bottom: BOTTOM, x, y };
+        let frame = Frame { left: LEFT + canvas.widest(&y, LETTERS), right: RIGHT, top: TOP, bottom: BOTTOM, x, y };
         let numbers = || self.members.iter().map(|member| member.1).filter(|peak| peak.is_finite());
         let colours = match &self.quantity.names[..] {
             [] => Scale::of_colours(numbers(), false),
@@ -46,19 +40,16 @@ impl Drawing for Field {
             canvas.rectangle(corners.0, corners.1, colour)?;
         }
         frame.draw_axes(canvas, true)?;
-        let title = self.quantity.title(&colours.unit(&self.quantity.unit));
+        let title = titled(&self.quantity.label, &colours.unit(&self.quantity.unit));
         draw_bar(canvas, (RIGHT + 40.0, TOP, BOTTOM), &colours, shade, &title)?;
         if numbers().count() < self.members.len() {
             let y = HEIGHT - 36.0;
             canvas.rectangle((RIGHT + 40.0, y - 12.0), (RIGHT + 68.0, y + 12.0), MISSING)?;
             canvas.text("no result", (RIGHT + 80.0, y), SMALL, Anchor::Left)?;
         }
-        canvas.text(
-            &self.keys[0].title(&frame.x),
-            (0.5 * (frame.left + RIGHT), HEIGHT - 36.0),
-            LETTERS,
-            Anchor::Centre,
-        )?;
-        canvas.text(&self.keys[1].title(&frame.y), (MARGIN, 0.5 * (TOP + BOTTOM)), LETTERS, Anchor::Upwards)
+        let [across, up] =
+            [0, 1].map(|n| titled(&self.keys[n].label, &[&frame.x, &frame.y][n].unit(&self.keys[n].unit)));
+        canvas.text(&across, (0.5 * (frame.left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)?;
+        canvas.text(&up, (MARGIN, 0.5 * (TOP + BOTTOM)), LETTERS, Anchor::Upwards)
     }
 }

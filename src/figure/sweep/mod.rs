@@ -4,7 +4,6 @@ mod curve;
 mod field;
 
 use super::output::save;
-use super::scale::Scale;
 use crate::error::Result;
 use crate::record::episodes::Episode;
 use std::path::Path;
@@ -83,27 +82,6 @@ pub fn draw_curve(curve: &Curve, out: &Path) -> Result<()> {
 /// Same as [`draw_curve`].
 pub fn draw_field(field: &Field, out: &Path) -> Result<()> {
     save(field, out)
-}
-
-impl Key {
-    /// Title of the axis with the unit of its labels.
-    fn title(&self, scale: &Scale) -> String {
-        titled(&self.label, &scale.unit(&self.unit))
-    }
-}
-
-impl Quantity {
-    /// Title of the axis with `unit`, the unit of its labels.
-    fn title(&self, unit: &str) -> String {
-        titled(&self.label, unit)
-    }
-}
-
-fn titled(label: &str, unit: &str) -> String {
-    match unit.trim() {
-        "" => label.to_owned(),
-        unit => format!("{label} ({unit})"),
-    }
 }
 
 /// The different values in ascending order.
