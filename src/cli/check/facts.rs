@@ -8,7 +8,7 @@ use crate::scene::Measure;
 
 use super::super::notes::describe_model;
 use super::Report;
-use super::text::{contact_time, support_line};
+use super::text::support_lines;
 
 /// Facts of a report. Numbers are in SI units; unknown values are null.
 #[derive(Serialize)]
@@ -74,7 +74,7 @@ pub(super) fn json(report: &Report) -> String {
         bounds: measures.as_ref().map(|measures| measures.bounds),
         volume: measures.as_ref().map(|measures| measures.volume),
         surfaces: surfaces.map(|surface| Area { name: &surface.name, area: surface.area }).collect(),
-        supports: scene.supports.iter().map(support_line).collect(),
+        supports: support_lines(scene),
         model: made.map(|made| ModelFacts {
             theory: model::name(made.theory),
             description: describe_model(made, scene),
@@ -91,7 +91,7 @@ pub(super) fn json(report: &Report) -> String {
                 ForceLaw::Hertz(law) => Some(law.stiffness),
                 _ => None,
             },
-            duration: contact_time(scene),
+            duration: impactor.contact_time(),
             peak_force: impactor.peak_force(),
             area: scene.contact.area().map(ToString::to_string),
             patch_radius: made.and_then(|made| made.dynamics.patch()).map(|patch| patch.radius),

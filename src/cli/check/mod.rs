@@ -72,7 +72,7 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     let mut report = Report {
         scene,
         model,
-        mass: box_mass(scene),
+        mass: scene.body.mass(),
         measures: None,
         plan: scene.time.step.map(|step| Plan::Equal { step }),
         cost: None,
@@ -169,14 +169,6 @@ fn too_large(scene: &Scene, bytes: Option<u64>) -> Option<String> {
             unknowns.map(|unknowns| format!("about {unknowns:.1e} unknowns"))
         }
         Geometry::Box { .. } => None,
-    }
-}
-
-/// Mass of a box, kg; `None` for a mesh file.
-fn box_mass(scene: &Scene) -> Option<f64> {
-    match &scene.body.geometry {
-        Geometry::Box { .. } => scene.body.mass(),
-        Geometry::Gmsh(_) => None,
     }
 }
 
