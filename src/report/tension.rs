@@ -164,7 +164,8 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
             _ => "Whether the strength was exceeded is undecided.".to_owned(),
         },
     };
-    format!("{strength} Estimated error of the largest tension: {}.", stress_error(stresses).sentence())
+    let error = stress_error(stresses);
+    format!("{strength} {}: {}.", error.name, error.text())
 }
 
 /// The faces to be drawn.

@@ -66,26 +66,26 @@ fn print_scene(report: &Report) {
     for line in relaxations(scene) {
         say(format_args!("relaxation {line}"));
     }
-    for Fact { name, value } in facts::loads(scene) {
+    for Fact { name, value, .. } in facts::loads(scene) {
         say(format_args!("load       {}", in_terminal(&format!("{name}: {value}"))));
     }
 }
 
 /// Descriptions of the supports.
 pub(super) fn support_lines(scene: &Scene) -> Vec<String> {
-    facts::supports(scene).iter().map(|Fact { name, value }| in_terminal(&format!("{name}: {value}"))).collect()
+    facts::supports(scene).iter().map(|Fact { name, value, .. }| in_terminal(&format!("{name}: {value}"))).collect()
 }
 
 /// Prints each fact in a line.
 fn print_each(facts: Vec<Fact>) {
-    for Fact { name, value } in facts {
+    for Fact { name, value, .. } in facts {
         say(format_args!("{:<10} {}", name.to_lowercase(), in_terminal(&value)));
     }
 }
 
 /// Facts in one line.
 fn joined(facts: Vec<Fact>) -> String {
-    let all = facts.iter().map(|Fact { name, value }| format!("{} {value}", name.to_lowercase()));
+    let all = facts.iter().map(|Fact { name, value, .. }| format!("{} {value}", name.to_lowercase()));
     in_terminal(&all.collect::<Vec<_>>().join(", "))
 }
 
