@@ -15,7 +15,7 @@ use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
 
 use super::notes::counted;
 use super::summary::lines;
-use super::{Info, say, short};
+use super::{Info, say, say_json, short};
 
 /// Prints the facts of a run or of a sweep.
 ///
@@ -34,16 +34,11 @@ pub fn info(arguments: &Info) -> Result<()> {
     }
     match (sweep, arguments.json) {
         (Some(sweep), false) => SweepFacts::of(&sweep).print(),
-        (Some(sweep), true) => print_json(&SweepFacts::of(&sweep)),
+        (Some(sweep), true) => say_json(&SweepFacts::of(&sweep)),
         (None, false) => RunFacts::read(path)?.print(),
-        (None, true) => print_json(&RunFacts::read(path)?),
+        (None, true) => say_json(&RunFacts::read(path)?),
     }
     Ok(())
-}
-
-fn print_json(facts: &impl Serialize) {
-    // Names and numbers only: serialisation cannot fail. NaN becomes null.
-    say(format_args!("{}", serde_json::to_string_pretty(facts).unwrap_or_default()));
 }
 
 /// Facts of a run, in SI units; NaN is null in JSON.
@@ -201,16 +196,11 @@ struct Varied {
 impl SweepFacts {
     fn of(sweep: &Sweep) -> Self {
         let header = &sweep.header;
-        let count = |status: Status| sweep.status.iter().filter(|one| **one == status).count();
-        // Values of the members that are done and have one.
-        let of = |quantity: Quantity| {
-            let members = sweep.status.iter().zip(sweep.quantity(quantity));
-            members.filter(|(status, value)| **status == Status::Done && !value.is_nan()).map(|(_, value)| *value)
-        };
+        let of = |quantity: Quantity| sweep.done(quantity).map(|(value, _)| value);
         let most = |quantity: Quantity| of(quantity).reduce(f64::max);
         let estimates = |quantity: Quantity| MemberEstimates {
             largest: most(quantity),
-            without: count(Status::Done) - of(quantity).count(),
+            without: sweep.count(Status::Done) - of(quantity).count(),
         };
         let range = |quantity: Quantity| Some([of(quantity).reduce(f64::min)?, most(quantity)?]);
         Self {
@@ -220,10 +210,10 @@ impl SweepFacts {
                 .iter()
                 .map(|key| Varied { key: key.path.clone(), units: key.units.clone(), values: key.values.distinct() })
                 .collect(),
-            done: count(Status::Done),
-            failed: count(Status::Failed),
-            refused: count(Status::Refused),
-            missing: count(Status::Missing),
+            done: sweep.count(Status::Done),
+            failed: sweep.count(Status::Failed),
+            refused: sweep.count(Status::Refused),
+            missing: sweep.count(Status::Missing),
             part: header.shard.map(|(i, n)| [i, n]),
             peak_acceleration: range(Quantity::PeakAcceleration),
             largest_deflection: range(Quantity::LargestDeflection),

@@ -33,6 +33,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
+use serde::Serialize;
 
 use crate::error::{Error, Result, visible};
 use crate::study::sweep::Shard;
@@ -291,6 +292,12 @@ pub fn say(line: fmt::Arguments) {
             let _ = STDOUT_ERROR.set(error.to_string());
         }
     }
+}
+
+/// Prints facts as one JSON object on standard output; NaN becomes null.
+fn say_json(facts: &impl Serialize) {
+    // Names and numbers only: serialisation cannot fail.
+    say(format_args!("{}", serde_json::to_string_pretty(facts).unwrap_or_default()));
 }
 
 /// First error while writing to standard output.

@@ -82,15 +82,8 @@ fn check_complete(
 ) -> std::result::Result<(), String> {
     let shown = result.display();
     let of_result = parsed(&shown.to_string(), &origin.origin.scene, scene)?;
-    let end = of_result.time.end;
-    let mut same = of_result;
-    same.time.end = scene.time.end;
-    if same != *scene {
-        return Err(format!(
-            "{shown} is complete and of another scene ({}): without --restart this one is run anew",
-            differing(&origin.origin.scene, text, result)
-        ));
-    }
+    let end = same_but_for_end(of_result, (scene, text), (result, &origin.origin.scene))
+        .map_err(|other| format!("{shown} is complete and {other}: without --restart this one is run anew"))?;
     if end != scene.time.end {
         return Err(format!(
             "{shown} is complete, to its end at {end:e} s, and a complete run has no checkpoint: without --restart the scene is run anew to \
@@ -110,16 +103,11 @@ fn check_complete(
 /// A run without a checkpoint begins again. Its scene must be the same, except for the end and the output.
 fn check_begun(origin: &Provenance, result: &Path, (scene, text): (&Scene, &str)) -> std::result::Result<(), String> {
     let shown = result.display();
-    let mut same = parsed(&shown.to_string(), &origin.origin.scene, scene)?;
-    same.output = scene.output.clone();
-    same.time.end = scene.time.end;
-    if same != *scene {
-        return Err(format!(
-            "{shown} is of another scene ({}), and has no checkpoint: without --restart, --force replaces it",
-            differing(&origin.origin.scene, text, result)
-        ));
-    }
-    Ok(())
+    let of_result = parsed(&shown.to_string(), &origin.origin.scene, scene)?;
+    let of_result = Scene { output: scene.output.clone(), ..of_result };
+    same_but_for_end(of_result, (scene, text), (result, &origin.origin.scene))
+        .map(|_| ())
+        .map_err(|other| format!("{shown} is {other}, and has no checkpoint: without --restart, --force replaces it"))
 }
 
 /// The scene of a checkpoint must be the same, except for the end and parts of the output.
@@ -130,22 +118,27 @@ fn check_scene(
     (scene, text): (&Scene, &str),
 ) -> std::result::Result<(), String> {
     let shown = beside(result).display().to_string();
-    let of_kept = parsed(&shown, &kept.scene, scene)?;
-    let end = of_kept.time.end;
-    let mut same = of_kept;
-    same.output.every = scene.output.every;
-    same.time.end = scene.time.end;
-    if same != *scene {
-        return Err(format!(
-            "{shown} is of another scene ({}): only its end, its title and [output] but for probes and fields may change",
-            differing(&kept.scene, text, result)
-        ));
-    }
+    let mut of_kept = parsed(&shown, &kept.scene, scene)?;
+    of_kept.output.every = scene.output.every;
+    let end = same_but_for_end(of_kept, (scene, text), (result, &kept.scene)).map_err(|other| {
+        format!("{shown} is {other}: only its end, its title and [output] but for probes and fields may change")
+    })?;
     // With controlled steps, the run may pass the end by one step. Therefore the same end is always accepted.
     if scene.time.end < end && scene.time.end < kept.time * (1.0 - 1e-9) {
         return Err(format!("{shown} is at t = {:.6e} s, beyond the end at {:e} s", kept.time, scene.time.end));
     }
     check_mesh(origin, result, scene)
+}
+
+/// The end of a stored scene, s, if it is otherwise the same as `scene`; else text that says how they differ. `text` and
+/// `there` are their texts.
+fn same_but_for_end(
+    mut stored: Scene,
+    (scene, text): (&Scene, &str),
+    (result, there): (&Path, &str),
+) -> std::result::Result<f64, String> {
+    let end = std::mem::replace(&mut stored.time.end, scene.time.end);
+    if stored == *scene { Ok(end) } else { Err(format!("of another scene ({})", differing(there, text, result))) }
 }
 
 /// Text that names the keys whose values differ from the scene of a result.

@@ -107,22 +107,14 @@ pub struct SeriesWriter {
 }
 
 impl SeriesWriter {
-    /// Creates the result `path` of a run described by `provenance`.
+    /// Creates the result `path` of a run described by `provenance`, with datasets for the values at `points`.
     ///
     /// An older result at `path` is replaced, and its checkpoint removed, when the first step has been written. If no
     /// step is written, both remain as they are.
     ///
     /// # Errors
     /// [`Error::Io`] as for [`target::check_writable`], or if writing fails.
-    pub fn create(path: &Path, provenance: &Provenance) -> Result<Self> {
-        Self::with_points(path, provenance, &Points::default())
-    }
-
-    /// Like [`Self::create`], with datasets for the values at probes and on faces.
-    ///
-    /// # Errors
-    /// Same as [`Self::create`].
-    pub fn with_points(path: &Path, provenance: &Provenance, points: &Points) -> Result<Self> {
+    pub fn create(path: &Path, provenance: &Provenance, points: &Points) -> Result<Self> {
         target::check_writable(path, target::Kind::Run)?;
         let begin = |part: &Path| begin(part, provenance, points).map_err(|e| not_written(path, &e));
         let (part, begun) = target::write_part(&target::resolved(path), begin)?;
@@ -160,7 +152,7 @@ impl SeriesWriter {
     /// Same as [`Self::create`].
     pub fn continued(path: &Path, provenance: &Provenance, points: &Points, earlier: Earlier) -> Result<Self> {
         let provenance = Provenance { run_id: earlier.run_id, ..provenance.clone() };
-        let mut writer = Self::with_points(path, &provenance, points)?;
+        let mut writer = Self::create(path, &provenance, points)?;
         writer.goes_on = target::is_same(path, &earlier.result);
         let rows = earlier.rows();
         let copy = || {
@@ -213,20 +205,12 @@ impl SeriesWriter {
         self
     }
 
-    /// Records the next accepted step. The first one is on the disk when this returns; later ones follow about once a
+    /// Records the next accepted step, with the values of the body at the step. The first one is on the disk when this returns; later ones follow about once a
     /// second of wall time.
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails; the rows remain in the buffer.
-    pub fn push(&mut self, step: &Step) -> Result<()> {
-        self.push_read(step, &Reading::default())
-    }
-
-    /// Like [`Self::push`], with the values of the body at the step.
-    ///
-    /// # Errors
-    /// Same as [`Self::push`].
-    pub fn push_read(&mut self, step: &Step, reading: &Reading) -> Result<()> {
+    pub fn push(&mut self, step: &Step, reading: &Reading) -> Result<()> {
         self.episodes.push(step);
         if !reading.map.tension.is_empty() {
             self.map.take(&reading.map);

@@ -7,6 +7,7 @@ use crate::model;
 use crate::scene::Measure;
 
 use super::super::notes::describe_model;
+use super::super::say_json;
 use super::Report;
 use super::text::support_lines;
 
@@ -62,8 +63,8 @@ struct ContactFacts {
     disc_radius: Option<f64>,
 }
 
-/// The report as one JSON object.
-pub(super) fn json(report: &Report) -> String {
+/// Prints the report as one JSON object.
+pub(super) fn print(report: &Report) {
     let Report { scene, measures, cost, .. } = report;
     let made = report.model.as_ref().ok();
     let impactor = &scene.impactor;
@@ -102,6 +103,5 @@ pub(super) fn json(report: &Report) -> String {
         warnings: &report.warnings,
         notes: &report.notes,
     };
-    // Names and numbers only: serialisation cannot fail.
-    serde_json::to_string_pretty(&facts).unwrap_or_default()
+    say_json(&facts);
 }

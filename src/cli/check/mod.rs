@@ -17,11 +17,11 @@ use crate::mesh::{Measures, Mesh};
 use crate::model::{Dynamics, Model, ModelContext};
 use crate::scene::{Geometry, Scene, Source};
 
+use super::Check;
 use super::follow::Follower;
 use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::notes::{self, Verdict, verdict};
-use super::{Check, say};
 use cost::Cost;
 
 /// Time after which the construction of a model stops without `--full`, s. A check should answer within five seconds.
@@ -60,7 +60,7 @@ pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
     let deadline = (!arguments.full).then(|| begin + Duration::from_secs_f64(PATIENCE));
     let report = report(comm, (&scene, &source), deadline).map_err(|error| error.in_scene(&source))?;
     if comm.is_root() {
-        if arguments.json { say(format_args!("{}", facts::json(&report))) } else { text::print(&report) }
+        if arguments.json { facts::print(&report) } else { text::print(&report) }
     }
     Ok(())
 }

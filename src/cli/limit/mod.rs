@@ -20,7 +20,7 @@ use super::load::{Loaded, load};
 use super::notes::Remark;
 use super::run::{Beginning, Replaced, Written, check_output, solve};
 use super::sweep::of_base;
-use super::{Limit, note, notes, tell, warn_of_unused_options};
+use super::{Limit, note, notes, say_json, tell, warn_of_unused_options};
 use report::Report;
 use table::{header, line};
 use trial::{Discretisation, Trial, trial};
@@ -87,10 +87,10 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
             Err(error) => return Err(error),
         }
     }
-    let report = Report::new(&range, scene.tolerance, &found, &trials);
-    if comm.is_root() {
+    let report = Report::new(&range, scene.tolerance, &found, &trials, arguments.output.as_deref());
+    if let Some(report) = report.filter(|_| comm.is_root()) {
         if arguments.json {
-            report.print_json(arguments.output.as_deref())
+            say_json(&report)
         } else {
             report.print()
         }

@@ -22,11 +22,12 @@ use super::super::notes::{Verdict, missing_faces, verdict};
 use super::super::summary::Summary;
 
 /// A value of the key, with the result of its run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub(super) struct Trial {
     /// Value of the key.
     pub value: f64,
     /// Result of the run.
+    #[serde(flatten)]
     pub utilisation: Utilisation,
 }
 

@@ -43,7 +43,7 @@ impl Recorder {
         if let Some(recording) = &mut self.recording {
             recording.step(step, reading, &self.writer)?;
         }
-        self.writer.push_read(step, reading)?;
+        self.writer.push(step, reading)?;
         self.progress.step(step);
         self.summary.step(step);
         self.summary.tensions(step.time, &reading.faces, &self.strengths);

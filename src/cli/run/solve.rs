@@ -180,7 +180,7 @@ fn record(
         return Ok(None);
     }
     let (writer, recording, summary) = match earlier {
-        None => (SeriesWriter::with_points(output, provenance, &points)?, recording, Summary::default()),
+        None => (SeriesWriter::create(output, provenance, &points)?, recording, Summary::default()),
         Some((earlier, summary)) => {
             note(format_args!("continuing from t = {:.6e} s", summary.end()));
             let writer = SeriesWriter::continued(output, provenance, &points, earlier)?;

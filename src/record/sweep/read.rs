@@ -71,6 +71,17 @@ impl Sweep {
         &self.quantities[quantity as usize]
     }
 
+    /// Values of a quantity of the members that are done, with the numbers of the members, without NaN.
+    pub fn done(&self, quantity: Quantity) -> impl Iterator<Item = (f64, usize)> + Clone {
+        let values = self.quantity(quantity).iter().copied().zip(0..);
+        values.filter(|(value, member)| self.status[*member] == Status::Done && !value.is_nan())
+    }
+
+    /// Number of members with a status.
+    pub fn count(&self, status: Status) -> usize {
+        self.status.iter().filter(|one| **one == status).count()
+    }
+
     /// Contacts of a member.
     pub fn contacts_of(&self, index: usize) -> Vec<Episode> {
         // They are sorted by member, so a binary search finds them.
