@@ -241,13 +241,10 @@ impl SweepRecorder {
         self.writer.push(member)
     }
 
-    fn count(&self, status: Status) -> usize {
-        self.writer.mine().filter(|member| self.writer.sweep().status[*member] == status).count()
-    }
-
     /// Exit status of a completed sweep.
     fn status(&self) -> i32 {
-        match (self.count(Status::Failed), self.count(Status::Refused)) {
+        let sweep = self.writer.sweep();
+        match (sweep.count(Status::Failed), sweep.count(Status::Refused)) {
             (0, 0) => 0,
             (0, _) => 2,
             _ => 3,
@@ -256,12 +253,8 @@ impl SweepRecorder {
 
     /// Prints the sweep in a few lines; with a strength, also the tensions.
     fn print(&self, grid: &Grid, has_strength: bool, time: f64) {
-        let done: Vec<usize> =
-            self.writer.mine().filter(|member| self.writer.sweep().status[*member] == Status::Done).collect();
-        let of = |quantity: Quantity| {
-            let values = self.writer.sweep().quantity(quantity);
-            done.iter().map(|member| (values[*member], *member))
-        };
+        let sweep = self.writer.sweep();
+        let (of, done) = (|quantity| sweep.done(quantity), sweep.count(Status::Done));
         let by_value = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0);
         let (low, high) =
             (of(Quantity::PeakAcceleration).min_by(by_value), of(Quantity::PeakAcceleration).max_by(by_value));
@@ -280,36 +273,33 @@ impl SweepRecorder {
                 grid.name(at)
             ));
         }
-        let tensions = of(Quantity::LargestStress).filter(|(tension, _)| tension.is_finite());
+        let tensions = of(Quantity::LargestStress);
         if has_strength
             && let (Some((low, _)), Some((high, at))) = (tensions.clone().min_by(by_value), tensions.max_by(by_value))
         {
-            let passed: Vec<usize> =
-                of(Quantity::StrengthPassedAt).filter(|(time, _)| time.is_finite()).map(|(_, n)| n).collect();
+            let mut passed = of(Quantity::StrengthPassedAt);
+            let (count, first) = (passed.clone().count(), passed.next());
             let undecided = StrengthVerdict::Undecided.number();
             let open = of(Quantity::StrengthVerdict).filter(|(number, _)| *number == undecided).count();
-            let strength = match &passed[..] {
-                [] if open == 0 => "the strength is not exceeded".to_owned(),
-                [] => format!("whether the strength is exceeded is undecided in {open} of {} members", done.len()),
-                all if all.len() == done.len() => "the strength is exceeded in all members".to_owned(),
-                [first, ..] => {
-                    let (count, all) = (passed.len(), done.len());
-                    format!(
-                        "the strength is exceeded in {count} of {all} members, the first of them {}",
-                        grid.name(*first)
-                    )
+            let strength = match first {
+                None if open == 0 => "the strength is not exceeded".to_owned(),
+                None => format!("whether the strength is exceeded is undecided in {open} of {done} members"),
+                Some(_) if count == done => "the strength is exceeded in all members".to_owned(),
+                Some((_, first)) => {
+                    let first = grid.name(first);
+                    format!("the strength is exceeded in {count} of {done} members, the first of them {first}")
                 }
             };
             let (low, high) = (short(1e-6 * low), short(1e-6 * high));
             say(format_args!("largest tension {low} to {high} MPa, the largest of {}; {strength}", grid.name(at)));
         }
-        let failed = self.count(Status::Failed) + self.count(Status::Refused);
-        let is_failed = |member: usize| self.writer.sweep().status[member] != Status::Done;
-        if let Some((first, why)) = self.writer.sweep().messages.iter().find(|(member, _)| is_failed(**member)) {
+        let failed = sweep.count(Status::Failed) + sweep.count(Status::Refused);
+        let is_failed = |member: usize| sweep.status[member] != Status::Done;
+        if let Some((first, why)) = sweep.messages.iter().find(|(member, _)| is_failed(**member)) {
             say(format_args!("failed: {failed}, the first of them {}: {why}", grid.name(*first)));
         }
         let there = if self.before > 0 { format!(", {} of them were there", self.before) } else { String::new() };
-        let (all, kept) = (self.writer.mine().count(), done.len() + failed);
+        let (all, kept) = (self.writer.mine().count(), done + failed);
         say(format_args!("{}: {kept} of {all} members{there}, {time:.1} s", self.output.display()));
     }
 }
