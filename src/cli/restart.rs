@@ -234,11 +234,6 @@ fn earlier(
     if !map.tension.is_empty() && map.tension.len() != mapped {
         return Err(named(format!("has tensions at {} points, and the body is read at {mapped}", map.tension.len())));
     }
-    let read = || {
-        let (columns, probes) = (read::rows(result, rows)?, read::probes(result, &points.probes, rows)?);
-        let tensions = read::tensions(result, &points.faces.names, rows)?;
-        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, tensions, map, episodes })
-    };
-    let earlier = read().map_err(|error: Error| error.to_string())?;
-    Ok((earlier, summary))
+    let rows = read::Rows::read(result, points, rows).map_err(|error| error.to_string())?;
+    Ok((Earlier { result: result.to_owned(), run_id: origin.run_id, rows, map, episodes }, summary))
 }

@@ -54,6 +54,19 @@ impl Frame {
 
     /// Draws the frame, and the ticks of both axes. The horizontal axis has labels only if `is_last`.
     pub fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Drawn {
+        for (place, label) in self.y.ticks() {
+            let y = self.bottom - place * (self.bottom - self.top);
+            let length = if label.is_some() { TICK } else { 0.5 * TICK };
+            line(canvas, (self.left - length, y), (self.left, y), &FRAME)?;
+            if let Some(label) = label {
+                canvas.text(&label, (self.left - 14.0, y), LETTERS, Anchor::Right)?;
+            }
+        }
+        self.draw_across(canvas, is_last)
+    }
+
+    /// Draws the frame, and the ticks of the horizontal axis, with labels only if `is_last`.
+    pub fn draw_across<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Drawn {
         // Smallest position of the next label. On narrow figures some labels are omitted.
         let mut free = f64::NEG_INFINITY;
         for (place, label) in self.x.ticks() {
@@ -65,14 +78,6 @@ impl Frame {
             if x - half >= free {
                 canvas.text(&label, (x, self.bottom + 30.0), LETTERS, Anchor::Centre)?;
                 free = x + half + APART;
-            }
-        }
-        for (place, label) in self.y.ticks() {
-            let y = self.bottom - place * (self.bottom - self.top);
-            let length = if label.is_some() { TICK } else { 0.5 * TICK };
-            line(canvas, (self.left - length, y), (self.left, y), &FRAME)?;
-            if let Some(label) = label {
-                canvas.text(&label, (self.left - 14.0, y), LETTERS, Anchor::Right)?;
             }
         }
         for y in [self.top, self.bottom] {

@@ -4,8 +4,8 @@ use super::axis::{Axis, exponential};
 
 /// An axis with given limits.
 pub(super) struct Scale {
-    low: f64,
-    high: f64,
+    pub low: f64,
+    pub high: f64,
     is_log: bool,
     /// Names of the values 0, 1, …; empty for an axis of numbers.
     names: Vec<String>,
@@ -64,6 +64,11 @@ impl Scale {
         } else {
             (value - self.low) / (self.high - self.low)
         }
+    }
+
+    /// Whether a value is within the limits.
+    pub fn holds(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
     }
 
     /// Relative position and label of each tick; minor ticks have no label.

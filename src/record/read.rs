@@ -7,6 +7,7 @@ use crate::record::columns::{CONTACTS, Column, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance};
+use crate::record::series::Points;
 use crate::record::storage::{self, text};
 use crate::record::stress::{self, EarlierTensions};
 use crate::record::sweep::is_one as is_sweep;
@@ -46,47 +47,46 @@ pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
     read().map_err(|e: hdf5::Error| Error::io(path, format!("is not a result of this version of ricochet: {e}")))
 }
 
-/// First `rows` rows of every column of the series of the result `path`.
-///
-/// # Errors
-/// [`Error::Io`] if the file cannot be opened, a column is missing, or there are fewer rows.
-pub fn rows(path: &Path, rows: usize) -> Result<Vec<Vec<f64>>> {
-    let file = open(path)?;
-    let of_column = |column: &Column<Step>| {
-        let read = storage::read::<f64>(&file, column.path);
-        let mut values = read.map_err(|e| Error::io(path, format!("/{} cannot be read ({e})", column.path)))?;
-        if values.len() < rows {
-            let reason = format!("/{} has {} rows, and its checkpoint {rows}", column.path, values.len());
-            return Err(Error::io(path, reason));
-        }
-        values.truncate(rows);
-        Ok(values)
-    };
-    SERIES.iter().map(of_column).collect()
+/// First rows of a result, by kind: all with the same number of rows.
+#[derive(Debug, Default)]
+pub struct Rows {
+    /// Columns of the series in the order of `SERIES`.
+    pub columns: Vec<Vec<f64>>,
+    /// Values of every probe, for each row.
+    pub probes: Vec<Vec<Probe>>,
+    /// Largest tensions on the faces, and the tension at the edge of the contact, for each row.
+    pub tensions: EarlierTensions,
 }
 
-/// First `rows` rows of the probes `names` of the result `path`: for each row the values of every probe.
-///
-/// # Errors
-/// Same as [`rows`].
-pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Probe>>> {
-    probes::rows(&open(path)?, names, rows).map_err(|e| Error::io(path, format!("its probes cannot be read: {e}")))
-}
-
-/// First `rows` rows of a result: the largest tension on each of the faces `names`, and the tension at the edge of the
-/// contact if it is recorded. Missing rows of the latter are NaN.
-///
-/// # Errors
-/// [`Error::Io`] if the file cannot be opened, or if the datasets of the faces are missing or have fewer rows.
-pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<EarlierTensions> {
-    let file = open(path)?;
-    let wrong = |e: hdf5::Error| Error::io(path, format!("its stresses cannot be read: {e}"));
-    let ring = storage::read::<f64>(&file, "series/stress/ring").ok();
-    let ring = ring.map(|mut ring| {
-        ring.resize(rows, f64::NAN);
-        ring
-    });
-    Ok(EarlierTensions { faces: stress::rows(&file, names, rows).map_err(wrong)?, ring })
+impl Rows {
+    /// First `rows` rows of the result `path`, with those of its `points`. The tension at the edge of the contact is read if it
+    /// is recorded; missing rows of it are NaN.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be opened, or if a dataset is missing or has fewer rows.
+    pub fn read(path: &Path, points: &Points, rows: usize) -> Result<Self> {
+        let file = open(path)?;
+        let of_column = |column: &Column<Step>| {
+            let read = storage::read::<f64>(&file, column.path);
+            let mut values = read.map_err(|e| Error::io(path, format!("/{} cannot be read ({e})", column.path)))?;
+            if values.len() < rows {
+                let reason = format!("/{} has {} rows, and its checkpoint {rows}", column.path, values.len());
+                return Err(Error::io(path, reason));
+            }
+            values.truncate(rows);
+            Ok(values)
+        };
+        let wrong =
+            |what: &'static str| move |e: hdf5::Error| Error::io(path, format!("its {what} cannot be read: {e}"));
+        let mut ring = storage::read::<f64>(&file, "series/stress/ring").ok();
+        ring.iter_mut().for_each(|ring| ring.resize(rows, f64::NAN));
+        let faces = stress::rows(&file, &points.faces.names, rows).map_err(wrong("stresses"))?;
+        Ok(Self {
+            columns: SERIES.iter().map(of_column).collect::<Result<_>>()?,
+            probes: probes::rows(&file, &points.probes, rows).map_err(wrong("probes"))?,
+            tensions: EarlierTensions { faces, ring },
+        })
+    }
 }
 
 /// Reads the acceleration history of the result `path`. After a kill, the lengths of the datasets may differ by the

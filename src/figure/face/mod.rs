@@ -8,13 +8,12 @@ use std::path::Path;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
-use super::bar::draw_bar;
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, Sheet};
 use super::frame::{Frame, INK, LETTERS, PAPER, SMALL, line, titled};
 use super::legend::draw_title;
 use super::output::{inline, save};
 use super::scale::Scale;
-use super::shade::shade;
+use super::shade::{draw_bar, shade};
 use super::stroke::Stroke;
 use crate::error::{Error, Result};
 

@@ -1,26 +1,20 @@
 //! Draws a sweep over one key: a quantity, and below it the times of contact.
 
-use super::{Curve, Member, ascending};
-use crate::figure::bar::draw_bar;
+use super::{BOTTOM, Curve, LEFT, MARGIN, Member, TITLE, TOP, ascending};
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use crate::figure::frame::{Frame, LETTERS, SMALL, titled};
 use crate::figure::scale::{Scale, cells};
-use crate::figure::shade::shade;
+use crate::figure::shade::{draw_bar, shade};
 use crate::figure::stroke::stroke;
 use crate::record::episodes::Episode;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
-const TITLE: f64 = 40.0;
-const TOP: f64 = 78.0;
 const MIDDLE: f64 = 500.0;
-const BOTTOM: f64 = HEIGHT - 116.0;
 /// Distance between the panels, pixels.
 const GAP: f64 = 34.0;
-/// Space to the left of the panels without their labels, and below it the right edge of the panels, pixels.
-const LEFT: f64 = 94.0;
+/// Right edge of the panels, pixels.
 const RIGHT: f64 = WIDTH - 226.0;
-const MARGIN: f64 = 38.0;
 /// Largest number of members for which each member gets a dot.
 const DOTS: usize = 120;
 

@@ -1,19 +1,13 @@
 //! Draws a sweep over two keys: a quantity as a heat map.
 
-use super::{Field, ascending};
-use crate::figure::bar::draw_bar;
+use super::{BOTTOM, Field, LEFT, MARGIN, TITLE, TOP, ascending};
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
 use crate::figure::frame::{Frame, LETTERS, SMALL, titled};
 use crate::figure::scale::{Scale, cells};
-use crate::figure::shade::{MISSING, shade};
+use crate::figure::shade::{MISSING, draw_bar, shade};
 use plotters::backend::DrawingBackend;
 
-const TITLE: f64 = 40.0;
-const TOP: f64 = 78.0;
-const BOTTOM: f64 = HEIGHT - 116.0;
-const LEFT: f64 = 94.0;
 const RIGHT: f64 = WIDTH - 246.0;
-const MARGIN: f64 = 38.0;
 
 impl Drawing for Field {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {

@@ -3,10 +3,19 @@
 mod curve;
 mod field;
 
+use super::canvas::HEIGHT;
 use super::output::save;
 use crate::error::Result;
 use crate::record::episodes::Episode;
 use std::path::Path;
+
+/// Vertical positions of the title and of the edges of the figure, pixels.
+const TITLE: f64 = 40.0;
+const TOP: f64 = 78.0;
+const BOTTOM: f64 = HEIGHT - 116.0;
+/// Space to the left of the figure without its labels, and the position of the titles in it, pixels.
+const LEFT: f64 = 94.0;
+const MARGIN: f64 = 38.0;
 
 /// A varied key and its unit.
 #[derive(Debug, Clone, PartialEq)]
