@@ -12,7 +12,7 @@ use crate::record::useless::USELESS;
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, GROWTH, Remark, UNESTIMATED_ROTATIONS, remedy_of_tension, scope_of_tolerance};
+use super::notes::{self, Remark, UNESTIMATED_ROTATIONS, history_above, of_large_deflection_error, remedy_of_tension};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
@@ -139,11 +139,8 @@ impl Remarks {
                 all.notes.add(member, remark("tension without an estimate", of(Quantity::LargestStress), text));
             }
             if *measure != Measure::Deflection && deflection_error > LARGE_ERROR_OF_DEFLECTION {
-                let text = format!(
-                    "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value; \
-                     accuracy.quantity = \"deflection\" may lower this error",
-                    estimated(deflection_error)
-                );
+                let error = of_large_deflection_error(deflection_error);
+                let text = format!("{error}; accuracy.quantity = \"deflection\" may lower this error");
                 all.notes.add(member, remark("error of the deflection", deflection_error, text));
             }
             if *may_lack_rotations && deflection_error.is_nan() && !over_thickness.is_nan() {
@@ -159,21 +156,12 @@ impl Remarks {
                 let text = format!("{of_first}: {REMEDIES}");
                 all.warnings.add(member, remark("first contact", first, text));
             }
-            // If the error hardly grows after the first contact, the warning above already reports it.
-            let grows = whole > GROWTH * first;
-            let is_reported = first > *tolerance && applies_to_acceleration && !grows;
-            if whole > *tolerance && !is_useless && !is_reported {
-                let later = if grows { ": later times are more sensitive" } else { "" };
-                let scope = scope_of_tolerance(if applies_to_acceleration && *measure == Measure::Stress {
-                    Measure::Acceleration
-                } else {
-                    *measure
-                });
-                let text = format!(
-                    "the estimated error{of_what} over the whole history is {} of the peak, above accuracy.tolerance = \
-                     {tolerance:e}, which is for {scope}{later}; `ricochet run` of this member's scene says what may lower it",
-                    beside(whole, *tolerance)
-                );
+            let was_told = first > *tolerance && applies_to_acceleration;
+            let scope =
+                if applies_to_acceleration && *measure == Measure::Stress { Measure::Acceleration } else { *measure };
+            let above = history_above([first, whole], [*measure, scope], *tolerance, was_told);
+            if let Some(above) = above.filter(|_| !is_useless) {
+                let text = format!("{above}; `ricochet run` of this member's scene says what may lower it");
                 all.notes.add(member, remark("whole history", whole, text));
             }
             if over_thickness > largest_linear(*edges) {

@@ -9,13 +9,11 @@ use crate::error::{Error, Result};
 use crate::impact::checkpoint::{Checkpoint, Visitor};
 use crate::model::Simulation;
 use crate::record::checkpoint::{StoredCheckpoint, beside};
-use crate::record::episodes::Episodes;
 use crate::record::provenance::{Origin, Provenance};
 use crate::record::read;
 use crate::record::series::{Earlier, Points};
 use crate::record::target::is_same;
 use crate::scene::{self, Geometry, Output, Scene, Source};
-use crate::space::evaluate::TensionMap;
 
 use super::checkpoint_writer::Known;
 use super::collect::{gathered, shared};
@@ -225,8 +223,7 @@ fn earlier(
     points: &Points,
     named: impl Fn(String) -> String,
 ) -> std::result::Result<(Earlier, Summary), String> {
-    let mut known =
-        Known { rows: 0, episodes: Episodes::default(), summary: Summary::default(), map: TensionMap::default() };
+    let mut known = Known::default();
     let checkpoint: &Checkpoint = &kept.checkpoint;
     known.visit(&mut Visitor::restore(checkpoint)).map_err(|error| named(error.to_string()))?;
     let Known { rows, episodes, summary, map } = known;

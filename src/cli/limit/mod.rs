@@ -37,11 +37,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     // Values that do not give a valid scene are found before the first run.
     let has_output = arguments.output.is_some();
     for value in range.values() {
-        if has_output {
-            at_with_output(&source, &range, value)?
-        } else {
-            at(&source, &range, value)?
-        };
+        at(&source, &range, value, has_output)?;
     }
     // On rank 0: held until the end.
     let mut lock = None;
@@ -58,7 +54,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
     let mut trials: Vec<Trial> = Vec::new();
     let run = |value: f64, discretisation: Option<&Discretisation>| {
-        let (scene, source) = at(&source, &range, value)?;
+        let (scene, source) = at(&source, &range, value, false)?;
         trial(comm, (&scene, &source), discretisation, &interrupt).map_err(|error| named(error, &range, value))
     };
     // Theory and cells are those of the end of the range with the larger tension, where errors count most. One of the ends
@@ -99,7 +95,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     }
     let status = match (&found.root, &arguments.output) {
         (Some(root), Some(output)) => {
-            let (scene, source) = at_with_output(&source, &range, root.at.value)?;
+            let (scene, source) = at(&source, &range, root.at.value, true)?;
             let of_theory = discretisation.as_ref().map(|discretisation| discretisation.of_theory);
             let written = Written { output, force: false, has_summary: false, of_theory };
             let scene = discretisation.map_or(scene.clone(), |discretisation| discretisation.of(&scene));
@@ -122,7 +118,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
 fn odd_values((scene, source): (&Scene, &Source), range: &Range) -> Result<Vec<Remark>> {
     let mut remarks = notes::of_values(scene, source);
     for end in [range.from, range.to] {
-        let (scene, source) = at(source, range, end)?;
+        let (scene, source) = at(source, range, end, false)?;
         for remark in notes::of_values(&scene, &source) {
             if remarks.iter().all(|known| known.kind != remark.kind) {
                 remarks.push(remark);
@@ -145,26 +141,18 @@ fn check(scene: &Scene, range: &Range) -> Result<()> {
     Ok(())
 }
 
-/// The scene at a value, with its output.
-fn at_with_output(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
-    varied(source, range, value, None)
-}
-
-/// The scene at a value, without fields and probes, which the runs of the search do not keep. A probe could also lie
-/// outside a thinner plate.
-fn at(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
-    let (mut scene, source) = varied(source, range, value, Some("output.probes=[]"))?;
-    scene.output.fields = None;
-    Ok((scene, source))
-}
-
-fn varied(source: &Source, range: &Range, value: f64, more: Option<&str>) -> Result<(Scene, Source)> {
+/// The scene at a value; without `has_output` it has no fields and no probes, which the runs of the search do not keep. A probe
+/// could also lie outside a thinner plate.
+fn at(source: &Source, range: &Range, value: f64, has_output: bool) -> Result<(Scene, Source)> {
     let given = format!("{}={}", range.key, written(value));
-    let all: Vec<String> = more.map(str::to_owned).into_iter().chain([given.clone()]).collect();
-    Ok(Scene::varied(source, &all).map_err(|error| {
+    let without_probes = (!has_output).then(|| "output.probes=[]".to_owned());
+    let all: Vec<String> = without_probes.into_iter().chain([given.clone()]).collect();
+    let (mut scene, source) = Scene::varied(source, &all).map_err(|error| {
         // If the error concerns the key itself, the message already contains the value.
         if error.message().contains(&given) { error } else { error.remarked(&of_value(range, value)) }
-    })?)
+    })?;
+    scene.output.fields = scene.output.fields.filter(|_| has_output);
+    Ok((scene, source))
 }
 
 /// Words for the value of a run, for messages.

@@ -7,8 +7,8 @@ mod scene;
 
 use super::{note, tell};
 pub use accuracy::{
-    GROWTH, UNESTIMATED_ROTATIONS, Verdict, describe_model, missed, note_of_measure, of_deflection, of_tension,
-    remedy_of_tension, scope_of_tolerance, verdict,
+    UNESTIMATED_ROTATIONS, Verdict, describe_model, history_above, missed, note_of_measure, of_deflection,
+    of_large_deflection_error, of_tension, remedy_of_tension, verdict,
 };
 pub use doubts::of_values;
 pub use geometry::of_geometry;
