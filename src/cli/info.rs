@@ -1,5 +1,6 @@
 //! `ricochet info`: prints the contents and the origin of a result.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -140,8 +141,9 @@ struct SweepFacts {
     largest_deflection: Option<[f64; 2]>,
     /// The same of the largest tension on all faces, Pa.
     largest_stress: Option<[f64; 2]>,
-    /// Estimated errors of these members.
-    error_estimates: SweepEstimates,
+    /// Estimated errors of these members: of the acceleration over its peak, over the whole history; of the deflection under
+    /// the impactor over its largest value; of the largest tension.
+    error_estimates: BTreeMap<&'static str, MemberEstimates>,
 }
 
 /// Estimated errors of the members of a sweep that are done.
@@ -151,38 +153,6 @@ struct MemberEstimates {
     largest: Option<f64>,
     /// Number of members without an estimate.
     without: usize,
-}
-
-/// Estimated errors of the members of a sweep, by quantity.
-#[derive(Serialize)]
-struct SweepEstimates {
-    /// Error of the acceleration over its peak, over the whole history.
-    acceleration: MemberEstimates,
-    /// Error of the deflection under the impactor over its largest value.
-    deflection: MemberEstimates,
-    /// Relative error of the largest tension.
-    stress: MemberEstimates,
-}
-
-impl SweepEstimates {
-    fn print(&self) {
-        let parts = [
-            (&self.acceleration, "of the acceleration"),
-            (&self.deflection, "of the deflection"),
-            (&self.stress, "of the tension"),
-        ];
-        let known = parts.into_iter().filter_map(|(MemberEstimates { largest, without }, what)| {
-            let without = match without {
-                0 => String::new(),
-                without => format!(" ({} without an estimate)", counted(*without, "member")),
-            };
-            Some(format!("{} {what}{without}", estimated((*largest)?)))
-        });
-        let known: Vec<String> = known.collect();
-        if !known.is_empty() {
-            say(format_args!("errors     estimated at most: {}", known.join(", ")));
-        }
-    }
 }
 
 /// A key that is varied.
@@ -218,11 +188,11 @@ impl SweepFacts {
             peak_acceleration: range(Quantity::PeakAcceleration),
             largest_deflection: range(Quantity::LargestDeflection),
             largest_stress: range(Quantity::LargestStress),
-            error_estimates: SweepEstimates {
-                acceleration: estimates(Quantity::ErrorEstimate),
-                deflection: estimates(Quantity::DeflectionErrorEstimate),
-                stress: estimates(Quantity::StressErrorEstimate),
-            },
+            error_estimates: BTreeMap::from([
+                ("acceleration", estimates(Quantity::ErrorEstimate)),
+                ("deflection", estimates(Quantity::DeflectionErrorEstimate)),
+                ("stress", estimates(Quantity::StressErrorEstimate)),
+            ]),
         }
     }
 
@@ -251,6 +221,16 @@ impl SweepFacts {
                 say(format_args!("{name} {} to {} {unit}", short(factor * low), short(factor * high)));
             }
         }
-        self.error_estimates.print();
+        let known = self.error_estimates.iter().filter_map(|(what, MemberEstimates { largest, without })| {
+            let without = match without {
+                0 => String::new(),
+                without => format!(" ({} without an estimate)", counted(*without, "member")),
+            };
+            Some(format!("{} of the {what}{without}", estimated((*largest)?)))
+        });
+        let known: Vec<String> = known.collect();
+        if !known.is_empty() {
+            say(format_args!("errors     estimated at most: {}", known.join(", ")));
+        }
     }
 }

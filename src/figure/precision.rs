@@ -263,29 +263,6 @@ fn draw_mark<DB: DrawingBackend>(
 mod tests {
     use super::*;
 
-    /// The label of a mark at the right edge of both panels is drawn to the left of the mark.
-    #[test]
-    fn a_label_at_the_edge_is_drawn_within_its_panel() {
-        let setting =
-            |seconds, error| Setting { seconds, errors: [error, error, f64::NAN], mark: Some(format!("{seconds}")) };
-        let settings = vec![setting(0.101, 0.5), setting(9.9, 0.02)];
-        let methods = vec![Method { label: "auto".into(), is_foreign: false, settings }];
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().join("chart.svg");
-        draw(&Precision { title: "plate".into(), methods, floor: [f64::NAN; PANELS] }, &out).unwrap();
-        let svg = std::fs::read_to_string(&out).unwrap();
-        // Left edges of the labels in pixels; the SVG is drawn five times enlarged.
-        let left = svg
-            .split("<text x=\"")
-            .skip(1)
-            .filter(|text| text.contains("\n9.9\n"))
-            .map(|text| text.split('"').next().unwrap().parse::<f64>().unwrap() / 5.0);
-        let width = 0.5 * (RIGHT - LEFT - GAP);
-        // The width of three letters is about 1.6 times their height.
-        let ends: Vec<f64> = left.map(|left| left + 1.6 * LEGEND_LETTERS).collect();
-        assert!(ends.len() == 2 && ends[0] < LEFT + width && ends[1] < RIGHT, "{ends:?}");
-    }
-
     /// For marks at all corners and edges, no label crosses the frame or covers another mark if this can be avoided.
     #[test]
     fn labels_stay_within_the_frame() {

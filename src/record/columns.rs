@@ -4,8 +4,10 @@ use crate::error::Error;
 use crate::impact::step::Step;
 use crate::record::episodes::Episode;
 use crate::record::storage::write_text;
+use crate::scene::Vec3;
 use hdf5_metno as hdf5;
 use hdf5_metno::plist::dataset_create::FillTime;
+use ndarray::ArrayView2;
 use std::path::Path;
 
 /// Dataset: its path in the file, its unit, and the function that returns its value from a record.
@@ -94,13 +96,26 @@ pub(super) fn append<T>(
     first: usize,
     records: &[T],
 ) -> hdf5::Result<()> {
-    let end = first + records.len();
-    for (dataset, column) in datasets.iter().zip(columns) {
-        if dataset.size() != end {
-            dataset.resize((end,))?;
-        }
-        let values: Vec<f64> = records.iter().map(column.value).collect();
-        dataset.write_slice(&values, first..end)?;
+    let put = |(dataset, column): (&hdf5::Dataset, &Column<T>)| {
+        put(dataset, first, &records.iter().map(column.value).collect::<Vec<f64>>())
+    };
+    datasets.iter().zip(columns).try_for_each(put)
+}
+
+/// Writes numbers to the rows of a dataset from `first` on, and cuts it after them.
+pub(super) fn put<T: hdf5::H5Type>(dataset: &hdf5::Dataset, first: usize, values: &[T]) -> hdf5::Result<()> {
+    let end = first + values.len();
+    if dataset.size() != end {
+        dataset.resize((end,))?;
     }
-    Ok(())
+    dataset.write_slice(values, first..end)
+}
+
+/// The same for vectors, of a dataset with three columns.
+pub(super) fn put_vectors(dataset: &hdf5::Dataset, first: usize, values: &[Vec3]) -> hdf5::Result<()> {
+    let end = first + values.len();
+    if dataset.shape() != [end, 3] {
+        dataset.resize((end, 3))?;
+    }
+    dataset.write_slice(ArrayView2::from(values), (first..end, ..))
 }

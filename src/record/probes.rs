@@ -4,7 +4,7 @@ use hdf5_metno as hdf5;
 use ndarray::ArrayView2;
 
 use crate::impact::Probe;
-use crate::record::columns::new_rows;
+use crate::record::columns::{new_rows, put_vectors};
 use crate::record::storage::{self, write_text};
 use crate::scene::Vec3;
 
@@ -83,14 +83,10 @@ impl ProbeDatasets {
 
     /// Writes rows, each with the values of every probe, from the row `first` on, and cuts the datasets after them.
     pub fn append(&self, first: usize, rows: &[impl AsRef<[Probe]>]) -> hdf5::Result<()> {
-        let end = first + rows.len();
         for (number, datasets) in self.0.iter().enumerate() {
             for (dataset, (_, _, value)) in datasets.iter().zip(COLUMNS) {
-                if dataset.shape() != [end, 3] {
-                    dataset.resize((end, 3))?;
-                }
                 let values: Vec<Vec3> = rows.iter().map(|row| value(&row.as_ref()[number])).collect();
-                dataset.write_slice(ArrayView2::from(&values[..]), (first..end, ..))?;
+                put_vectors(dataset, first, &values)?;
             }
         }
         Ok(())

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::impact::Reading;
 use crate::impact::step::Step;
 use crate::record::checkpoint;
-use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written};
+use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written, put};
 use crate::record::episodes::Episodes;
 use crate::record::fields;
 use crate::record::probes::ProbeDatasets;
@@ -147,10 +147,8 @@ impl SeriesWriter {
         let Rows { columns, probes, tensions } = &earlier.rows;
         let rows = columns.first().map_or(0, Vec::len);
         let copy = || {
-            for (dataset, values) in writer.datasets.series.iter().zip(columns) {
-                dataset.resize((rows,))?;
-                dataset.write_slice(values, 0..rows)?;
-            }
+            let series = writer.datasets.series.iter().zip(columns);
+            series.map(|(dataset, values)| put(dataset, 0, values)).collect::<hdf5::Result<()>>()?;
             let EarlierTensions { faces, ring } = tensions;
             writer.datasets.tensions.append(0, faces, ring.as_deref().unwrap_or_default())?;
             writer.datasets.probes.append(0, probes)

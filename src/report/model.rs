@@ -7,7 +7,7 @@ use crate::scene::{Model, Scene};
 
 use super::data::Data;
 use super::number::percent;
-use super::page::{Block, Fact, Facts, Section};
+use super::page::{Block, Fact, Section};
 
 /// Makes the section.
 pub fn section(data: &Data) -> Section {
@@ -31,7 +31,7 @@ pub fn section(data: &Data) -> Section {
     rows.extend(deflection_error(data));
     rows.extend(data.stresses.as_ref().map(stress_error));
     let mut parts = vec![
-        Block::Facts(Facts { caption: "Model".to_owned(), rows }),
+        Block::Facts { caption: "Model", rows },
         Block::Text(
             "The estimate of the acceleration’s error combines the estimated errors of the cells, the basis, the selected theory, \
              the time steps and the contact patch, as far as each applies, divided by the peak. It does not include the error of a theory, \
@@ -48,7 +48,7 @@ pub fn section(data: &Data) -> Section {
     let rows: Vec<Fact> =
         said.map(|(kind, text)| Fact::new(sentence(kind).trim_end_matches('.'), sentence(text))).collect();
     if !rows.is_empty() {
-        parts.push(Block::Facts(Facts { caption: "Warnings and notes of the run".to_owned(), rows }));
+        parts.push(Block::Facts { caption: "Warnings and notes of the run", rows });
     }
     Section { id: "model", title: "Model", parts }
 }

@@ -2,7 +2,7 @@
 
 use super::data::Data;
 use super::number::{TIME, computed, date};
-use super::page::{Block, Fact, Facts, Section};
+use super::page::{Block, Fact, Section};
 
 /// Makes the section.
 pub fn section(data: &Data) -> Section {
@@ -29,6 +29,6 @@ pub fn section(data: &Data) -> Section {
         rows.push(Fact::new("Solves", format!("{}, with {} Newton iterations", cost.solves, cost.newton_iterations)));
     }
     let again = format!("ricochet run {} -o again.h5 computes the same scene again.", data.file);
-    let parts = vec![Block::Facts(Facts { caption: "Origin of the result".to_owned(), rows }), Block::Text(again)];
+    let parts = vec![Block::Facts { caption: "Origin of the result", rows }, Block::Text(again)];
     Section { id: "origin", title: "Provenance", parts }
 }

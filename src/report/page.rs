@@ -90,22 +90,23 @@ pub enum Block {
     /// A paragraph.
     Text(String),
     /// A table of names and values.
-    Facts(Facts),
+    Facts {
+        /// Caption of the table.
+        caption: &'static str,
+        /// The rows.
+        rows: Vec<Fact>,
+    },
     /// A table of numbers.
     Table(Table),
     /// A figure.
     Figure(Figure),
     /// A text that is hidden until the reader opens it; it is always visible in print.
-    Fold(Fold),
-}
-
-/// A table of names and values.
-#[derive(Debug)]
-pub struct Facts {
-    /// Caption of the table.
-    pub caption: String,
-    /// The rows.
-    pub rows: Vec<Fact>,
+    Fold {
+        /// Title, which is always visible.
+        title: &'static str,
+        /// The text; its line breaks are kept.
+        text: String,
+    },
 }
 
 /// A fact about a scene or a result.
@@ -187,13 +188,4 @@ pub struct Figure {
     pub narrow: String,
     /// Caption of the figure.
     pub caption: String,
-}
-
-/// A text that the reader can open.
-#[derive(Debug)]
-pub struct Fold {
-    /// Title, which is always visible.
-    pub title: String,
-    /// The text; its line breaks are kept.
-    pub text: String,
 }

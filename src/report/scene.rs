@@ -14,7 +14,7 @@ use super::number::{
     FORCE, LENGTH, MASS, MODULUS, SPEED, STRESS, TIME, by_component, computed, digits, given, percent, plain, vector,
     with_unit,
 };
-use super::page::{Block, Fact, Facts, Fold, Section};
+use super::page::{Block, Fact, Section};
 use super::relaxation;
 
 /// Makes the section.
@@ -34,16 +34,16 @@ pub fn section(data: &Data) -> Section {
         ))),
     }
     let text = data.provenance.origin.scene.trim_end().to_owned();
-    parts.push(Block::Fold(Fold { title: "Full text of the scene (TOML, SI units)".to_owned(), text }));
+    parts.push(Block::Fold { title: "Full text of the scene (TOML, SI units)", text });
     Section { id: "scene", title: "Scene", parts }
 }
 
 /// A table of facts; where there are none, a text that says so.
-fn facts(caption: &str, rows: Vec<Fact>, none: &str) -> Block {
+fn facts(caption: &'static str, rows: Vec<Fact>, none: &str) -> Block {
     if rows.is_empty() {
         return Block::Text(format!("{caption}: {none}."));
     }
-    Block::Facts(Facts { caption: caption.to_owned(), rows })
+    Block::Facts { caption, rows }
 }
 
 /// Shape and size of a body in a few words.

@@ -382,27 +382,6 @@ mod tests {
         assert_eq!(noted(f64::NAN, Measure::Acceleration, 1e-2), None);
     }
 
-    /// If the largest tension is at a clamped edge, its error is not estimated: the note says which tension the
-    /// tolerance is for, and does not call it the largest.
-    #[test]
-    fn a_tolerance_for_stresses_is_for_what_is_estimated() {
-        // Each cause is within the tolerance; both together may be above it.
-        for (stress, is_above) in [(9e-3, true), (5e-3, false)] {
-            let errors = of_stress(stress, 1e-3);
-            let estimate = ErrorEstimate::default().with(Cause::Cells, errors).with(Cause::Basis, errors);
-            let scene = Scene { measure: Measure::Stress, ..pane("") };
-            for was_warned in [true, false] {
-                let told = missed(&estimate, &scene, was_warned, &LargestTension::default());
-                assert!(
-                    matches!(&told[..], [one] if one.contains("for the tension under the impact point")
-                        && one.contains("the error of the largest tension is not estimated")
-                        && one.contains("what may lower it") == is_above),
-                    "{told:?}"
-                );
-            }
-        }
-    }
-
     /// Finer cells do not reduce the error of the local field. For a laminate the advice is the solid, for a body of one
     /// layer there is none. `auto` has an error of the theory only if it selected a plate.
     #[test]

@@ -7,7 +7,7 @@ use hdf5_metno::types::FixedAscii;
 use ndarray::ArrayView2;
 
 use crate::element::Shape;
-use crate::record::columns::new_rows;
+use crate::record::columns::{new_rows, put};
 use crate::record::storage::{self, write_text};
 use crate::space::evaluate::{Fields, Grid};
 
@@ -130,9 +130,7 @@ impl VtkHdf {
                 Some(_) => dataset.write_slice(ArrayView2::from(&[[offset.value]]), (number..number + 1, ..))?,
             }
         }
-        let values = self.steps.dataset("Values")?;
-        values.resize(number + 1)?;
-        values.write_slice(&[time], number..number + 1)?;
+        put(&self.steps.dataset("Values")?, number, &[time])?;
         self.times.push(time);
         Ok(())
     }

@@ -2,12 +2,10 @@
 //! `/series/stress/ring`.
 
 use hdf5_metno as hdf5;
-use ndarray::ArrayView2;
 
 use crate::impact::step::Step;
-use crate::record::columns::new_rows;
+use crate::record::columns::{new_rows, put, put_vectors};
 use crate::record::storage;
-use crate::scene::Vec3;
 use crate::space::evaluate::FaceTension;
 
 use super::Faces;
@@ -38,24 +36,12 @@ impl TensionDatasets {
 
     /// Writes rows, each with the tension of every face, from the row `first` on, and cuts the datasets after them.
     pub fn append(&self, first: usize, rows: &[Vec<FaceTension>], ring: &[f64]) -> hdf5::Result<()> {
-        let end = first + rows.len();
         for (number, [largest, point]) in self.faces.iter().enumerate() {
-            if largest.size() != end {
-                largest.resize((end,))?;
-                point.resize((end, 3))?;
-            }
             let at = |row: &Vec<FaceTension>| row.get(number).copied().unwrap_or(FaceTension::UNKNOWN);
-            largest.write_slice(&rows.iter().map(|row| at(row).largest).collect::<Vec<f64>>(), first..end)?;
-            let points: Vec<Vec3> = rows.iter().map(|row| at(row).point).collect();
-            point.write_slice(ArrayView2::from(&points[..]), (first..end, ..))?;
+            put(largest, first, &rows.iter().map(|row| at(row).largest).collect::<Vec<f64>>())?;
+            put_vectors(point, first, &rows.iter().map(|row| at(row).point).collect::<Vec<_>>())?;
         }
-        if let Some(dataset) = &self.ring {
-            if dataset.size() != end {
-                dataset.resize((end,))?;
-            }
-            dataset.write_slice(ring, first..end)?;
-        }
-        Ok(())
+        self.ring.as_ref().map_or(Ok(()), |dataset| put(dataset, first, ring))
     }
 }
 

@@ -12,7 +12,7 @@ use super::member::{Member, Quantity, Status};
 use super::read::{Sweep, series_path};
 use super::room;
 use crate::error::{Error, Result};
-use crate::record::columns::{CONTACTS, SERIES, append, not_written};
+use crate::record::columns::{CONTACTS, SERIES, append, not_written, put};
 use crate::record::episodes::Episode;
 use crate::record::lock::Lock;
 use crate::record::probes;
@@ -256,9 +256,7 @@ impl SweepWriter {
         let (first, end) = (self.contacts_written, self.sweep.contacts.len());
         let (members, contacts): (Vec<u64>, Vec<Episode>) =
             self.sweep.contacts[first..].iter().map(|(member, contact)| (*member as u64, *contact)).unzip();
-        let column = file.dataset("contacts/member")?;
-        column.resize((end,))?;
-        column.write_slice(&members, first..end)?;
+        put(&file.dataset("contacts/member")?, first, &members)?;
         let columns = CONTACTS.iter().map(|column| file.dataset(column.path)).collect::<hdf5::Result<Vec<_>>>()?;
         append(&columns, &CONTACTS, first, &contacts)?;
         (self.contacts_written, self.rewrites_contacts) = (end, false);
