@@ -40,23 +40,16 @@ struct Given {
 }
 
 /// Reads a scene, with all files that it names except the mesh, on rank 0. All ranks get the same data or the same
-/// error. For a result, its scene is used, and its options for PETSc are only named. `-` is standard input. Collective.
+/// error. For a result, its scene is used; its options for PETSc are used if they are asked for, else only named. `-` is standard
+/// input. Collective.
 ///
 /// # Errors
-/// [`Error::Output`] if the file cannot be read; [`Error::Usage`] if it is not text; [`Error::Scene`] if the scene is
-/// wrong.
+/// [`Error::Output`] if the file cannot be read; [`Error::Usage`] if it is not text, or if options are to be used and the scene
+/// is not from a result; [`Error::Scene`] if the scene is wrong.
 pub fn load(comm: &Comm, arguments: &SceneArguments) -> Result<Loaded> {
-    load_with_options(comm, arguments, false)
-}
-
-/// Like [`load`]; with `is_applied`, the options for PETSc of a result are used as well. Collective.
-///
-/// # Errors
-/// Like [`load`]; [`Error::Usage`] if options are to be used and the scene is not from a result.
-pub fn load_with_options(comm: &Comm, arguments: &SceneArguments, is_applied: bool) -> Result<Loaded> {
-    let SceneArguments { file: path, overrides, .. } = arguments;
+    let SceneArguments { file: path, overrides, stored_options: is_applied, .. } = arguments;
     let Given { source, is_of_result, stored_options } = decided(comm, || given(path, overrides))?;
-    match is_applied {
+    match *is_applied {
         true if !is_of_result => {
             return Err(Error::Usage(format!(
                 "--stored-options: {} is a scene, not a result, and has none",

@@ -115,6 +115,10 @@ pub struct SceneArguments {
     /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
     pub overrides: Vec<String>,
+    /// For a result as the scene: use the options for PETSc that it was made with. They are left out by default, since such options can
+    /// write files
+    #[arg(long, conflicts_with = "petsc")]
+    pub stored_options: bool,
     /// Options for PETSc, unchanged, e.g. -- -log_view -snes_monitor
     #[arg(last = true, value_name = "PETSC OPTIONS")]
     pub petsc: Vec<String>,
@@ -137,10 +141,6 @@ pub struct Run {
     /// the peak
     #[arg(long)]
     pub force: bool,
-    /// For a result as the scene: use the options for PETSc that it was made with. They are left out by default, since such options can
-    /// write files
-    #[arg(long, conflicts_with = "petsc")]
-    pub stored_options: bool,
 }
 
 /// `ricochet check`

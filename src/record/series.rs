@@ -147,8 +147,8 @@ impl SeriesWriter {
         let Rows { columns, probes, tensions } = &earlier.rows;
         let rows = columns.first().map_or(0, Vec::len);
         let copy = || {
-            let series = writer.datasets.series.iter().zip(columns);
-            series.map(|(dataset, values)| put(dataset, 0, values)).collect::<hdf5::Result<()>>()?;
+            let mut series = writer.datasets.series.iter().zip(columns);
+            series.try_for_each(|(dataset, values)| put(dataset, 0, values))?;
             let EarlierTensions { faces, ring } = tensions;
             writer.datasets.tensions.append(0, faces, ring.as_deref().unwrap_or_default())?;
             writer.datasets.probes.append(0, probes)

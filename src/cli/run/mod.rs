@@ -17,7 +17,7 @@ use crate::record::lock::Lock;
 use crate::record::target::is_same;
 
 use super::Run;
-use super::load::{Loaded, STANDARD_INPUT, load_with_options};
+use super::load::{Loaded, STANDARD_INPUT, load};
 use super::restart::RestartState;
 use super::{note, tell};
 use output::check_own;
@@ -29,7 +29,7 @@ pub(super) use solve::{Beginning, Written, solve};
 /// # Errors
 /// Any [`Error`].
 pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
-    let Loaded { scene, source, is_of_result } = load_with_options(comm, &arguments.scene, arguments.stored_options)?;
+    let Loaded { scene, source, is_of_result } = load(comm, &arguments.scene)?;
     let file = &arguments.scene.file;
     let given = arguments.output.as_ref().or(arguments.restart.as_ref());
     // A pipe can be read only once, and has no useful name.
