@@ -101,8 +101,7 @@ fn figure(
         time: &time,
         curves: curves.iter().map(|(name, values)| (name.clone(), values.as_slice())).collect(),
         limits: Vec::new(),
-        contacts: data.contacts.episodes.clone(),
         caption: format!("{words} {of}{which}."),
     };
-    drawing.draw().map(Block::Figure)
+    drawing.draw(data).map(Block::Figure)
 }

@@ -188,10 +188,9 @@ fn figure(data: &Data, stresses: &Stresses) -> Result<Block> {
         time: &stresses.time,
         curves: drawn.iter().map(|face| (face_name(&face.name), face.largest.as_slice())).collect(),
         limits: limits(data, &drawn),
-        contacts: data.contacts.episodes.clone(),
         caption: format!("Largest principal stress anywhere on a face{which}. Tension is positive."),
     };
-    curves.draw().map(Block::Figure)
+    curves.draw(data).map(Block::Figure)
 }
 
 /// Strengths of the faces to be drawn as limits: one line if all are equal, otherwise one line for each face.

@@ -11,7 +11,7 @@ use petsc_wrap::Comm;
 use crate::agree::decided;
 use crate::error::{Error, Result};
 use crate::record::lock::Lock;
-use crate::scene::{Model, Scene, Source, unit};
+use crate::scene::{Model, Scene, Source};
 use crate::study::limit::{Range, search};
 use crate::study::sweep::written;
 
@@ -22,7 +22,7 @@ use super::run::{Beginning, Replaced, Written, check_output, solve};
 use super::sweep::of_base;
 use super::{Limit, note, notes, say_json, tell, warn_of_unused_options};
 use report::Report;
-use table::{header, line};
+use table::{header, line, with_unit};
 use trial::{Discretisation, Trial, trial};
 
 /// Searches for the limit; returns the exit status. It is also a valid answer that there is no limit in the range.
@@ -90,7 +90,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
         } else {
             report.print()
         }
-        report.remarks().iter().for_each(|remark| tell(format_args!("{remark}")));
+        report.remarks().iter().for_each(|remark| tell(format_args!("warning: {remark}")));
         warn_of_unused_options(comm)?;
     }
     let status = match (&found.root, &arguments.output) {
@@ -157,8 +157,7 @@ fn at(source: &Source, range: &Range, value: f64, has_output: bool) -> Result<(S
 
 /// Words for the value of a run, for messages.
 fn of_value(range: &Range, value: f64) -> String {
-    let unit = unit(&range.key);
-    format!("at {} = {}{}", range.key, written(value), if unit == "1" { String::new() } else { format!(" {unit}") })
+    format!("at {} = {}", range.key, with_unit(&written(value), &range.key))
 }
 
 /// Adds the value of the run to the message of an error.

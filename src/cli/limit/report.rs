@@ -10,7 +10,7 @@ use crate::study::limit::{Found, Range};
 use crate::record::stress::StrengthVerdict;
 
 use super::super::{coordinate, say, short};
-use super::table::{UNCERTAINTY, VALUE, significant};
+use super::table::{UNCERTAINTY, VALUE, significant, with_unit};
 use super::trial::{Trial, Utilisation};
 
 /// Position of the range relative to the strength.
@@ -156,13 +156,14 @@ impl<'a> Report<'a> {
     }
 
     fn print_limit(&self, limit: &LimitFacts) {
-        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
         let Trial { value, utilisation } = limit.run;
         let Utilisation { ratio, strength, face, time, point, peak_force, .. } = utilisation;
         let (lower, value) = (self.samples.iter().filter(|run| run.value < *value).count(), significant(*value, VALUE));
         let value = match limit.uncertainty {
-            none if none.is_nan() => format!("{value}{unit}, without an estimate of its uncertainty"),
-            uncertainty => format!("{value} ± {}{unit}", significant(uncertainty, UNCERTAINTY)),
+            none if none.is_nan() => {
+                format!("{}, without an estimate of its uncertainty", with_unit(&value, self.key))
+            }
+            uncertainty => format!("{value} ± {}", with_unit(&significant(uncertainty, UNCERTAINTY), self.key)),
         };
         say(format_args!(
             "limit: {} = {value}, where the largest tension is {} of the strength; the strength is not exceeded {} it{}",
@@ -203,40 +204,39 @@ impl<'a> Report<'a> {
 
     /// Warnings about the answer, for standard error.
     pub fn remarks(&self) -> Vec<String> {
-        let mut remarks: Vec<String> = self.warnings.iter().map(|warning| format!("warning: {warning}")).collect();
-        if self.limit.as_ref().is_some_and(|limit| limit.is_jump) {
-            remarks.push(format!(
-                "warning: the tension jumps at the limit of {}: no value near it is just at the strength",
-                self.key
-            ));
-        }
-        if self.limit.as_ref().is_some_and(|limit| !limit.is_converged) {
-            remarks.push(format!(
-                "warning: the search stopped after {} runs, before the limit of {} was accurate enough: search a smaller range",
-                self.runs, self.key
-            ));
-        }
-        if let Some(value) = self.limit.as_ref().and_then(|limit| limit.crossed_again_at) {
-            remarks.push(format!(
-                "warning: between the limit and {} = {} there is another limit; \
-                 search smaller ranges",
-                self.key,
-                self.shown(value)
-            ));
+        let mut remarks = self.warnings.to_vec();
+        if let Some(LimitFacts { is_jump, is_converged, crossed_again_at, .. }) = self.limit {
+            if is_jump {
+                remarks.push(format!(
+                    "the tension jumps at the limit of {}: no value near it is just at the strength",
+                    self.key
+                ));
+            }
+            if !is_converged {
+                remarks.push(format!(
+                    "the search stopped after {} runs, before the limit of {} was accurate enough: search a smaller range",
+                    self.runs, self.key
+                ));
+            }
+            if let Some(value) = crossed_again_at {
+                remarks.push(format!(
+                    "between the limit and {} = {} there is another limit; search smaller ranges",
+                    self.key,
+                    self.shown(value)
+                ));
+            }
         }
         if !self.is_lowest_by_curvature {
-            let message = "warning: between the values that were computed the tension may reach the strength elsewhere: search a smaller range";
+            let message = "between the values that were computed the tension may reach the strength elsewhere: search a smaller range";
             remarks.push(message.to_owned());
         }
-        let is_idle = self.samples.len() > 1 && self.largest.utilisation.ratio == self.smallest.utilisation.ratio;
-        if is_idle {
-            remarks.push(format!("warning: --vary {} has no effect on the tension", self.key));
+        if self.samples.len() > 1 && self.largest.utilisation.ratio == self.smallest.utilisation.ratio {
+            remarks.push(format!("--vary {} has no effect on the tension", self.key));
         }
         remarks
     }
 
     fn shown(&self, value: f64) -> String {
-        let value = significant(value, VALUE);
-        if self.unit == "1" { value } else { format!("{value} {}", self.unit) }
+        with_unit(&significant(value, VALUE), self.key)
     }
 }

@@ -56,8 +56,7 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
         "the estimated error{of_what}{part} is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          {}",
         beside(error, tolerance),
-        remedies(&estimate, &estimate.causes_to_mend(scene.measure, tolerance), scene, |errors| errors
-            .of(scene.measure))
+        remedies_of_measure(&estimate, scene)
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
 }
@@ -167,8 +166,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     let (measure, tolerance) = (scene.measure, scene.tolerance);
     let mut missed = Vec::new();
     let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().stress.is_nan();
-    let remedies_of_measure =
-        || remedies(estimate, &estimate.causes_to_mend(measure, tolerance), scene, |errors| errors.of(measure));
+    let remedies_of_measure = || remedies_of_measure(estimate, scene);
     if measure == Measure::Stress && is_for_another_place {
         let (error, help) = if errors.stress > tolerance {
             (beside(errors.stress, tolerance), format!("; {}", remedies_of_measure()))
@@ -243,6 +241,12 @@ pub fn of_large_deflection_error(error: f64) -> String {
         "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value",
         estimated(error)
     )
+}
+
+/// Settings that may reduce the error that the tolerance applies to: a clause.
+fn remedies_of_measure(estimate: &ErrorEstimate, scene: &Scene) -> String {
+    let causes = estimate.causes_to_mend(scene.measure, scene.tolerance);
+    remedies(estimate, &causes, scene, |errors| errors.of(scene.measure))
 }
 
 /// Settings that may reduce the errors of these causes: a clause. `error` selects the error that is too large.
