@@ -133,8 +133,7 @@ impl<'a> Bench<'a> {
 
     fn keep_reason(&self, name: &str, source: &Source, reason: &str) -> Result<()> {
         let Some((_, folder)) = &self.folder else { return Ok(()) };
-        let text = format!("{}{reason}\n", self.headed(source)?);
-        folder.put(format!("{name}.txt"), |part| std::fs::write(part, text).map_err(|e| Error::io(part, e)))
+        folder.put_bytes(format!("{name}.txt"), format!("{}{reason}\n", self.headed(source)?))
     }
 
     /// Header of a stored error message: the scene, the number of ranks and the options for which it holds.

@@ -1,6 +1,6 @@
 //! `ricochet chart`: charts speed against accuracy for a scene.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::rc::Rc;
 
 use petsc_wrap::Comm;
@@ -175,11 +175,8 @@ fn points(methods: &[Method], runs: &[TimedRun], peers: &[Foreign], reference: &
 
 fn write(folder: &Folder, title: &str, points: &[Point], reference: &Reference, left_out: &[String]) -> Result<()> {
     let floor = reference.floor();
-    let text = |name: &str, text: String| {
-        folder.put(name, |path: &Path| std::fs::write(path, text).map_err(|e| Error::io(path, e)))
-    };
-    text("work-precision.csv", csv(points, floor))?;
-    text("summary.md", summary(title, points, reference, left_out))?;
+    folder.put_bytes("work-precision.csv", csv(points, floor))?;
+    folder.put_bytes("summary.md", summary(title, points, reference, left_out))?;
     let figure =
         Precision { title: title.to_owned(), methods: lines(points), floor: [floor.first, floor.whole, floor.tension] };
     ["work-precision.svg", "work-precision.png"]

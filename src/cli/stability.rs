@@ -73,7 +73,7 @@ fn find(comm: &Comm, scene: &Scene, budget: Option<f64>, interrupt: &Interrupt) 
 }
 
 fn write(folder: &Folder, study: &Study, scene: &Scene) -> Result<()> {
-    folder.put("stability.csv", |path| std::fs::write(path, csv(study)).map_err(|e| Error::io(path, e)))?;
+    folder.put_bytes("stability.csv", csv(study))?;
     let map = map(study, scene);
     ["stability.svg", "stability.png"].into_iter().try_for_each(|name| folder.put(name, |path| draw(&map, path)))
 }

@@ -50,7 +50,7 @@ pub fn man(arguments: &Man) -> Result<()> {
         if !there.is_empty() && !there.contains(".TH ricochet") {
             return Err(Error::io(&arguments.output.join(&file), "is no page of this manual, so it is not replaced"));
         }
-        folder.put(&file, |path| std::fs::write(path, &page).map_err(|error| Error::io(path, error)))?;
+        folder.put_bytes(&file, &page)?;
         names.push(file);
     }
     say(format_args!("{}: {}", arguments.output.display(), names.join(", ")));

@@ -19,7 +19,7 @@ use crate::record::probes::ProbeDatasets;
 use crate::record::provenance::{Cost, Provenance, update_warnings};
 use crate::record::read::Rows;
 use crate::record::storage::{self, write_scalar};
-use crate::record::stress::{EarlierTensions, Faces, LargestTension, MapDatasets, TensionDatasets, rings};
+use crate::record::stress::{EarlierTensions, Faces, LargestTension, MapDatasets, TensionDatasets};
 use crate::record::target;
 use crate::space::evaluate::TensionMap;
 use hdf5_metno as hdf5;
@@ -307,7 +307,8 @@ impl SeriesWriter {
         let (at_probes, on_faces): (Vec<_>, Vec<_>) =
             self.read.iter().map(|read| (&read.probes[..], read.faces.clone())).unzip();
         probes.append(self.rows_written, &at_probes)?;
-        tensions.append(self.rows_written, &on_faces, &rings(&self.faces, &self.buffer))?;
+        let ring: Vec<f64> = self.buffer.iter().map(|step| self.faces.ring(step)).collect();
+        tensions.append(self.rows_written, &on_faces, &ring)?;
         if self.map_is_new {
             map.write(&self.map)?;
             self.map_is_new = false;

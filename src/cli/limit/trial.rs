@@ -58,42 +58,35 @@ pub(super) struct Utilisation {
 }
 
 impl Utilisation {
-    /// State before the first step.
-    fn new() -> Self {
-        let none = f64::NAN;
-        Self {
-            ratio: none,
-            face: String::new(),
-            tension: none,
-            strength: none,
-            time: none,
-            point: [none; 3],
-            peak_force: 0.0,
-            error_estimate: none,
-            without_estimate: String::new(),
-            warnings: Vec::new(),
-        }
-    }
-
     /// Verdict on the strength.
     pub fn verdict(&self) -> StrengthVerdict {
         StrengthVerdict::of(self.ratio, 1.0, self.error_estimate)
     }
+}
 
-    /// Takes a step into account.
-    fn take(&mut self, step: &Step, tensions: &[FaceTension], faces: &[String], strengths: &[Option<f64>]) {
-        self.peak_force = self.peak_force.max(step.contact.force);
-        for ((tension, face), strength) in tensions.iter().zip(faces).zip(strengths) {
-            let Some(strength) = *strength else { continue };
-            let ratio = tension.largest / strength;
-            // False for NaN, the initial value.
-            if ratio.is_nan() || self.ratio >= ratio {
-                continue;
-            }
-            self.face.clone_from(face);
-            (self.ratio, self.tension, self.strength) = (ratio, tension.largest, strength);
-            (self.time, self.point) = (step.time, tension.point);
+/// Takes a step into account in the largest ratio so far.
+fn take(
+    most: &mut Option<Utilisation>,
+    step: &Step,
+    tensions: &[FaceTension],
+    faces: &[String],
+    strengths: &[Option<f64>],
+) {
+    for ((tension, face), strength) in tensions.iter().zip(faces).zip(strengths) {
+        let Some(strength) = *strength else { continue };
+        let ratio = tension.largest / strength;
+        if ratio.is_nan() || most.as_ref().is_some_and(|most| most.ratio >= ratio) {
+            continue;
         }
+        *most = Some(Utilisation {
+            ratio,
+            face: face.clone(),
+            tension: tension.largest,
+            strength,
+            time: step.time,
+            point: tension.point,
+            ..most.take().unwrap_or_default()
+        });
     }
 }
 

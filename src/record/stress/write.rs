@@ -3,7 +3,6 @@
 
 use hdf5_metno as hdf5;
 
-use crate::impact::step::Step;
 use crate::record::columns::{new_rows, put, put_vectors};
 use crate::record::storage;
 use crate::space::evaluate::FaceTension;
@@ -52,11 +51,6 @@ pub struct EarlierTensions {
     pub faces: Vec<Vec<FaceTension>>,
     /// Tension at the edge of the contact for each row; `None` if it is not recorded.
     pub ring: Option<Vec<f64>>,
-}
-
-/// Tension at the edge of the contact at each step, Pa.
-pub(in crate::record) fn rings(of: &Faces, steps: &[Step]) -> Vec<f64> {
-    steps.iter().map(|step| of.ring(step)).collect()
 }
 
 /// First `rows` rows of a result, each with the tension of every face of `names`.
