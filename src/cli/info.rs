@@ -15,7 +15,7 @@ use crate::record::read::{history, origin};
 use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
 
 use super::notes::counted;
-use super::summary::lines;
+use super::summary::{costs, lines};
 use super::{Info, say, say_json, short};
 
 /// Prints the facts of a run or of a sweep.
@@ -100,16 +100,13 @@ impl RunFacts {
         for Episode { start, end, impulse, .. } in &self.contacts {
             say(format_args!("contact    {} to {} ms, {} N s", short(1e3 * start), short(1e3 * end), short(*impulse)));
         }
-        let Cost { error_estimate, total, model, setup, steps, solves, newton_iterations, .. } = self.cost;
+        let Cost { error_estimate, total, .. } = self.cost;
         if !error_estimate.is_nan() {
             say(format_args!("error      estimated {} of the peak over the whole history", estimated(error_estimate)));
         }
         self.warnings.iter().for_each(|line| say(format_args!("remark     {line}")));
         if !total.is_nan() {
-            say(format_args!(
-                "cost       {total:.3} s (model {model:.3}, setup {setup:.3}, steps {steps:.3}), {solves} solves and {newton_iterations} Newton \
-                 iterations"
-            ));
+            say(format_args!("cost       {}", costs(&self.cost)));
         }
     }
 }
