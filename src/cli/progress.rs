@@ -10,13 +10,14 @@ use super::note;
 use super::terminal::has_bars;
 
 /// A bar on a terminal, or lines in a log at growing intervals.
-enum Shown {
+pub(super) enum Shown {
     Bar(ProgressBar),
     Lines(Cadence),
 }
 
 impl Shown {
-    fn new(length: u64, template: &str) -> Self {
+    /// A bar of this length by a template of indicatif, or lines.
+    pub(super) fn new(length: u64, template: &str) -> Self {
         if has_bars() {
             let style = ProgressStyle::with_template(template).expect("the template is valid");
             Self::Bar(ProgressBar::new(length).with_style(style))
@@ -26,7 +27,7 @@ impl Shown {
     }
 
     /// Moves the bar to a position, with a message; or writes a line if one is due.
-    fn show(&mut self, position: u64, message: impl Fn() -> String, line: impl Fn() -> String) {
+    pub(super) fn show(&mut self, position: u64, message: impl Fn() -> String, line: impl Fn() -> String) {
         match self {
             Self::Bar(bar) => {
                 bar.set_position(position);
@@ -41,7 +42,7 @@ impl Shown {
     }
 
     /// Removes the bar.
-    fn finish(&self) {
+    pub(super) fn finish(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
         }
@@ -89,16 +90,16 @@ impl Cadence {
     const FIRST_WAIT: Duration = Duration::from_secs(1);
     const LONGEST_WAIT: Duration = Duration::from_secs(16);
 
-    pub(super) fn new() -> Self {
+    fn new() -> Self {
         Self { last: Instant::now(), wait: Self::FIRST_WAIT }
     }
 
-    pub(super) fn is_due(&self) -> bool {
+    fn is_due(&self) -> bool {
         self.last.elapsed() >= self.wait
     }
 
     /// Starts the next interval after a line was written.
-    pub(super) fn next(&mut self) {
+    fn next(&mut self) {
         *self = Self { last: Instant::now(), wait: (2 * self.wait).min(Self::LONGEST_WAIT) };
     }
 }

@@ -168,31 +168,29 @@ impl Precision {
             line(canvas, pair[0], corner, &FRONT)?;
             line(canvas, corner, pair[1], &FRONT)?;
         }
-        for (n, method) in self.methods.iter().enumerate() {
+        let known = |setting: &&Setting| setting.errors[panel].is_finite();
+        let methods = self.methods.iter().map(|method| {
+            let settings = method.settings.iter().filter(known);
+            settings.map(|setting| (setting, at(setting.seconds, setting.errors[panel]))).collect()
+        });
+        let settings: Vec<Vec<(&Setting, (f64, f64))>> = methods.collect();
+        for (n, (method, settings)) in self.methods.iter().zip(&settings).enumerate() {
             let look = stroke(n, self.methods.len());
-            let known: Vec<&Setting> =
-                method.settings.iter().filter(|setting| setting.errors[panel].is_finite()).collect();
-            let pixels: Vec<(f64, f64)> = known.iter().map(|s| at(s.seconds, s.errors[panel])).collect();
-            let points: Vec<_> = pixels.iter().map(|(x, y)| canvas.point(*x, *y)).collect();
+            let points: Vec<_> = settings.iter().map(|(_, (x, y))| canvas.point(*x, *y)).collect();
             canvas.line(&points, &Stroke { width: 0.7 * look.width, ..look })?;
-            pixels.iter().try_for_each(|pixel| draw_mark(canvas, *pixel, (method.is_foreign, n), look.colour))?;
+            settings.iter().try_for_each(|(_, at)| draw_mark(canvas, *at, (method.is_foreign, n), look.colour))?;
         }
         // Ringed marks are drawn above all lines.
-        let mut marks: Vec<(f64, f64)> = self
-            .settings()
-            .filter(|setting| setting.errors[panel].is_finite())
-            .map(|setting| at(setting.seconds, setting.errors[panel]))
-            .collect();
-        for (n, method) in self.methods.iter().enumerate() {
+        let mut marks: Vec<(f64, f64)> = settings.iter().flatten().map(|(_, at)| *at).collect();
+        for (n, settings) in settings.iter().enumerate() {
             let colour = stroke(n, self.methods.len()).colour;
-            for setting in method.settings.iter().filter(|setting| setting.errors[panel].is_finite()) {
-                let Some(mark) = &setting.mark else { continue };
-                let (x, y) = at(setting.seconds, setting.errors[panel]);
-                canvas.dot((x, y), 14.0, INK)?;
-                canvas.dot((x, y), 11.0, PAPER)?;
-                canvas.dot((x, y), 7.0, colour)?;
+            for (setting, (x, y)) in settings {
+                let (Some(mark), at) = (&setting.mark, (*x, *y)) else { continue };
+                canvas.dot(at, 14.0, INK)?;
+                canvas.dot(at, 11.0, PAPER)?;
+                canvas.dot(at, 7.0, colour)?;
                 let width = canvas.text_width(mark, LEGEND_LETTERS);
-                let place = label_place((x, y), width, frame, &marks);
+                let place = label_place(at, width, frame, &marks);
                 canvas.text(mark, place, LEGEND_LETTERS, Anchor::Left)?;
                 // Later labels must also avoid this label, so it is added as marks.
                 marks.extend([0.0, 0.5, 1.0].map(|part| (place.0 + part * width, place.1)));

@@ -7,26 +7,14 @@ use crate::record::columns::{CONTACTS, Column, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance};
+use crate::record::quantity::{Quantity, quantity};
 use crate::record::series::Points;
-use crate::record::storage::{self, text};
+use crate::record::storage;
 use crate::record::stress::{self, EarlierTensions};
 use crate::record::sweep::is_one as is_sweep;
 use crate::record::target::is_locked;
 use hdf5_metno as hdf5;
 use std::path::Path;
-
-/// Acceleration history of a result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct History {
-    /// Title of the scene; may be empty.
-    pub title: String,
-    /// Time of each row, s.
-    pub time: Vec<f64>,
-    /// Deceleration F/m0 of the impactor at each row, m/s².
-    pub acceleration: Vec<f64>,
-    /// Contact episodes.
-    pub contacts: Vec<Episode>,
-}
 
 /// Provenance of a result.
 ///
@@ -94,17 +82,11 @@ impl Rows {
 ///
 /// # Errors
 /// [`Error::Io`], which says whether the file is missing, not HDF5, still being written, or not a result of ricochet.
-pub fn history(path: &Path) -> Result<History> {
-    let file = open(path)?;
-    check_run(&file, path)?;
-    let mut time = column(&file, path, "series/time")?;
-    let mut acceleration = column(&file, path, "series/impactor/acceleration")?;
-    let rows = time.len().min(acceleration.len());
-    time.truncate(rows);
-    acceleration.truncate(rows);
-    let contacts = contacts(&file, path)?;
-    let title = text(&file, "title").map_err(|_| not_result(path, "it has no title"))?;
-    Ok(History { title, time, acceleration, contacts })
+pub fn history(path: &Path) -> Result<Quantity> {
+    quantity(path, "acceleration").map_err(|error| match error {
+        Error::Usage(_) => not_result(path, "it has no acceleration"),
+        other => other,
+    })
 }
 
 /// Contact episodes of a result.

@@ -41,7 +41,9 @@ fn print_scene(report: &Report) {
     if !scene.title.is_empty() {
         say(format_args!("{}", scene.title));
     }
-    print_each(facts::body(scene));
+    for Fact { name, value, .. } in facts::body(scene) {
+        say(format_args!("{:<10} {}", in_sentence(&name), in_terminal(&value)));
+    }
     if let Some(mass) = mass.filter(|_| scene.body.mass().is_none()) {
         say(format_args!("mass       {} kg", short(mass)));
     }
@@ -76,17 +78,16 @@ pub(super) fn support_lines(scene: &Scene) -> Vec<String> {
     facts::supports(scene).iter().map(|Fact { name, value, .. }| in_terminal(&format!("{name}: {value}"))).collect()
 }
 
-/// Prints each fact in a line.
-fn print_each(facts: Vec<Fact>) {
-    for Fact { name, value, .. } in facts {
-        say(format_args!("{:<10} {}", name.to_lowercase(), in_terminal(&value)));
-    }
-}
-
 /// Facts in one line.
 fn joined(facts: Vec<Fact>) -> String {
-    let all = facts.iter().map(|Fact { name, value, .. }| format!("{} {value}", name.to_lowercase()));
+    let all = facts.iter().map(|Fact { name, value, .. }| format!("{} {value}", in_sentence(name)));
     in_terminal(&all.collect::<Vec<_>>().join(", "))
+}
+
+/// Name of a fact without a capital at its beginning.
+fn in_sentence(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
 }
 
 /// Text without the characters that a page has for the sake of its typography.

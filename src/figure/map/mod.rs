@@ -10,6 +10,7 @@ use crate::figure::shade::{MISSING, shade};
 use crate::figure::stroke::Stroke;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
+use std::cmp::Ordering;
 use std::path::Path;
 
 /// Heat maps over the same rows and time steps.
@@ -98,14 +99,6 @@ const MARKS: [Stroke; 2] = [
     Stroke { colour: RGBColor(150, 60, 120), width: 3.0, dashes: &[1.2, 1.6] },
 ];
 
-/// Position of a limit relative to the range of the axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Side {
-    Below,
-    Within,
-    Above,
-}
-
 /// Draws an arrow with the given tip, which points to a limit beyond the axis. `inwards` is 1 if the axis lies to the
 /// right of the tip, −1 if it lies to the left. The arrow has a white outline, because the cells below it may have any
 /// colour.
@@ -176,12 +169,12 @@ impl Map {
         for (n, row) in self.rows.iter().enumerate() {
             let (top, middle) = (TOP + n as f64 * pitch, TOP + (n as f64 + 0.5) * pitch);
             match row.side(&frame.x) {
-                Some(Side::Within) => {
+                Some(Ordering::Equal) => {
                     let x = frame.at_x(row.limit);
                     line(canvas, (x, top + 1.0), (x, top + pitch - 1.0), &LIMIT)?;
                 }
-                Some(Side::Below) => draw_arrow(canvas, (frame.left + 5.0, middle), 1.0)?,
-                Some(Side::Above) => draw_arrow(canvas, (frame.right - 5.0, middle), -1.0)?,
+                Some(Ordering::Less) => draw_arrow(canvas, (frame.left + 5.0, middle), 1.0)?,
+                Some(Ordering::Greater) => draw_arrow(canvas, (frame.right - 5.0, middle), -1.0)?,
                 None => {}
             }
         }
@@ -237,14 +230,14 @@ impl Map {
         }
         entry(&self.good, &|x| canvas.dot((x + 18.0, y), 4.5, INK))?;
         let upright = |x: f64, stroke: &Stroke| line(canvas, (x + 18.0, y - 22.0), (x + 18.0, y + 22.0), stroke);
-        let sides: Vec<Side> = self.rows.iter().filter_map(|row| row.side(&steps)).collect();
-        if sides.contains(&Side::Within) {
+        let sides: Vec<Ordering> = self.rows.iter().filter_map(|row| row.side(&steps)).collect();
+        if sides.contains(&Ordering::Equal) {
             entry("predicted limit", &|x| upright(x, &LIMIT))?;
         }
-        if let Some(side) = sides.iter().find(|side| **side != Side::Within) {
-            let (tip, towards) = if *side == Side::Below { (8.0, 1.0) } else { (30.0, -1.0) };
+        if let Some(side) = sides.iter().find(|side| **side != Ordering::Equal) {
+            let (tip, towards) = if *side == Ordering::Less { (8.0, 1.0) } else { (30.0, -1.0) };
             let text =
-                if sides.contains(&Side::Within) { "beyond the axis" } else { "predicted limit: beyond the axis" };
+                if sides.contains(&Ordering::Equal) { "beyond the axis" } else { "predicted limit: beyond the axis" };
             entry(text, &|x| draw_arrow(canvas, (x + tip, y), towards))?;
         }
         for ((_, text), stroke) in self.marks.iter().zip(&MARKS).filter(|((step, _), _)| steps.holds(*step)) {
@@ -256,12 +249,12 @@ impl Map {
 
 impl Row {
     /// Position of the limit relative to the axis of the time steps; `None` without a limit.
-    fn side(&self, steps: &Scale) -> Option<Side> {
+    fn side(&self, steps: &Scale) -> Option<Ordering> {
         let has_limit = self.limit > 0.0 && self.limit.is_finite();
         has_limit.then(|| match self.limit {
-            limit if limit < steps.low => Side::Below,
-            limit if limit > steps.high => Side::Above,
-            _ => Side::Within,
+            limit if limit < steps.low => Ordering::Less,
+            limit if limit > steps.high => Ordering::Greater,
+            _ => Ordering::Equal,
         })
     }
 

@@ -8,6 +8,7 @@ use super::Errors;
 use crate::error::{Error, Result};
 use crate::record::episodes::Episode;
 use crate::record::provenance::Provenance;
+use crate::record::quantity::Quantity;
 use crate::record::read;
 use crate::record::stress::Stresses;
 use crate::scene::{Body, Geometry, Scene, differences};
@@ -128,7 +129,8 @@ fn fault(error: &csv::Error) -> String {
 /// [`Error::Io`] if the file cannot be read or is not such a series.
 pub fn history(path: &Path, mass: f64) -> Result<History> {
     if path.extension().is_some_and(|extension| extension == "h5") {
-        let read::History { time, acceleration, contacts, .. } = read::history(path)?;
+        let Quantity { time, parts, contacts, .. } = read::history(path)?;
+        let acceleration = parts.into_iter().next().map(|part| part.values).unwrap_or_default();
         let contact = |Episode { start, end, impulse, .. }| Contact { start, end, impulse };
         let history = History::new(time, acceleration, contacts.into_iter().map(contact).collect());
         let tension = Stresses::read(path)?.map(|stresses| stresses.largest_of_rows()).unwrap_or_default();
