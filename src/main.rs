@@ -51,15 +51,15 @@ fn main() {
         Command::Completions(completions) => conclude(None, cli::text::completions(completions).map(|()| 0)),
         Command::Schema => conclude(None, cli::text::schema().map(|()| 0)),
         Command::Man(man) => conclude(None, cli::text::man(man).map(|()| 0)),
-        Command::Run(run) => under_petsc(&run.petsc, |session| cli::run::run(&session.world(), run)),
+        Command::Run(run) => under_petsc(&run.scene.petsc, |session| cli::run::run(&session.world(), run)),
         Command::Stability(stability) => {
-            under_petsc(&stability.petsc, |session| cli::stability::stability(&session.world(), stability))
+            under_petsc(&stability.scene.petsc, |session| cli::stability::stability(&session.world(), stability))
         }
-        Command::Chart(chart) => under_petsc(&chart.petsc, |session| cli::chart::chart(&session.world(), chart)),
-        Command::Sweep(sweep) => under_petsc(&sweep.petsc, |session| cli::sweep::sweep(&session.world(), sweep)),
-        Command::Limit(limit) => under_petsc(&limit.petsc, |session| cli::limit::limit(&session.world(), limit)),
+        Command::Chart(chart) => under_petsc(&chart.scene.petsc, |session| cli::chart::chart(&session.world(), chart)),
+        Command::Sweep(sweep) => under_petsc(&sweep.scene.petsc, |session| cli::sweep::sweep(&session.world(), sweep)),
+        Command::Limit(limit) => under_petsc(&limit.scene.petsc, |session| cli::limit::limit(&session.world(), limit)),
         Command::Check(check) => {
-            under_petsc(&check.petsc, |session| cli::check::check(&session.world(), check).map(|()| 0))
+            under_petsc(&check.scene.petsc, |session| cli::check::check(&session.world(), check).map(|()| 0))
         }
     }
 }

@@ -5,19 +5,18 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use petsc_wrap::{Comm, options};
-use serde::{Deserialize, Serialize};
 
 use crate::agree::{decided, of_root};
 use crate::error::{Error, Result};
 use crate::record::folder::Folder;
-use crate::record::provenance::{Cost, Provenance};
-use crate::record::read::origin;
+use crate::record::provenance::{Cost, Origin};
+use crate::record::read;
 use crate::record::series::{Points, SeriesWriter};
 use crate::record::stress::Faces;
 use crate::scene::{Scene, Source};
 use crate::study::chart::{Attempt, Recording, Timed, history, spent, time};
 
-use super::provenance::provenance;
+use super::provenance::{origin, provenance};
 
 /// A scene, the folder of its runs, and a test for interruption.
 pub struct Bench<'a> {
@@ -26,14 +25,6 @@ pub struct Bench<'a> {
     /// Path and folder of the runs, on rank 0 only.
     folder: Option<(PathBuf, Folder)>,
     interrupted: Rc<dyn Fn() -> bool>,
-}
-
-/// Wall times of a run, s: the part of a [`Timed`] that is sent to other ranks.
-#[derive(Serialize, Deserialize)]
-struct Times {
-    build: f64,
-    run: f64,
-    spent: f64,
 }
 
 impl<'a> Bench<'a> {
@@ -86,11 +77,8 @@ impl<'a> Bench<'a> {
     fn kept(&self, name: &str, (scene, source): (&Scene, &Source), repeated: bool) -> Result<Option<Attempt>> {
         let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), (scene, source), repeated));
         // The other ranks need only the times, which determine the next runs.
-        let times = |timed: &Timed| Times { build: timed.build, run: timed.run, spent: timed.spent };
-        let told = own.as_ref().map(|attempt| attempt.as_ref().map(times).map_err(Clone::clone));
-        let told: Option<std::result::Result<Times, String>> = of_root(self.comm, Some(told));
-        let known = |Times { build, run, spent }| Timed { build, run, spent, ..Timed::default() };
-        Ok(own.or_else(|| told.map(|attempt| attempt.map(known))))
+        let told = of_root(self.comm, Some(own.clone()));
+        Ok(own.or(told))
     }
 
     fn read(&self, path: &Path, (scene, source): (&Scene, &Source), repeated: bool) -> Option<Attempt> {
@@ -101,10 +89,10 @@ impl<'a> Bench<'a> {
         if !path.exists() {
             return None;
         }
-        let (made, cost, is_complete) = origin(path).ok()?;
-        let now = provenance(self.comm, scene, source, ("", String::new(), 0)).ok()?;
-        let key = |of: &Provenance| (of.ranks, of.scene.clone(), of.petsc_options.clone());
-        if !is_complete || key(&made) != key(&now) {
+        let (made, cost, is_complete) = read::origin(path).ok()?;
+        let now = origin(self.comm, scene, source).ok()?;
+        let key = |Origin { ranks, scene, petsc_options, .. }| (ranks, scene, petsc_options);
+        if !is_complete || key(made.origin) != key(now) {
             return None;
         }
         Some(Ok(Timed {
@@ -128,8 +116,8 @@ impl<'a> Bench<'a> {
         let Recording { faces, steps, readings } = recording;
         made.planned_rows = Some(steps.len());
         let points = Points { faces: Faces { names: faces, ..Faces::default() }, ..Points::default() };
-        let mut writer = SeriesWriter::with_points(&path.join(name), &made, &points)?;
-        steps.iter().zip(&readings).try_for_each(|(step, reading)| writer.push_read(step, reading))?;
+        let mut writer = SeriesWriter::create(&path.join(name), &made, &points)?;
+        steps.iter().zip(&readings).try_for_each(|(step, reading)| writer.push(step, reading))?;
         let cost = Cost {
             model: timed.build,
             setup: 0.0,
@@ -145,8 +133,7 @@ impl<'a> Bench<'a> {
 
     fn keep_reason(&self, name: &str, source: &Source, reason: &str) -> Result<()> {
         let Some((_, folder)) = &self.folder else { return Ok(()) };
-        let text = format!("{}{reason}\n", self.headed(source)?);
-        folder.put(format!("{name}.txt"), |part| std::fs::write(part, text).map_err(|e| Error::io(part, e)))
+        folder.put_bytes(format!("{name}.txt"), format!("{}{reason}\n", self.headed(source)?))
     }
 
     /// Header of a stored error message: the scene, the number of ranks and the options for which it holds.

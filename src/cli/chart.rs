@@ -1,6 +1,6 @@
 //! `ricochet chart`: charts speed against accuracy for a scene.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::rc::Rc;
 
 use petsc_wrap::Comm;
@@ -35,7 +35,7 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     if arguments.budget.is_nan() || arguments.budget <= 0.0 {
         return Err(Error::Usage(format!("--budget {}: expected a number of seconds above 0", arguments.budget)));
     }
-    let Loaded { scene: given, source: given_source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene: given, source: given_source, .. } = load(comm, &arguments.scene)?;
     let (name, folder, text) = (given_source.name(), given_source.folder(), given_source.text());
     let (scene, source) = Scene::within(name, folder, text, &cleared(&given))?;
     let ladder = Ladder::new(&scene);
@@ -80,7 +80,8 @@ pub fn chart(comm: &Comm, arguments: &Chart) -> Result<i32> {
     };
     decided(comm, || {
         let points = points(&methods, &runs.done, &peers, &reference);
-        let title = if given.title.is_empty() { arguments.scene.display().to_string() } else { given.title.clone() };
+        let title =
+            if given.title.is_empty() { arguments.scene.file.display().to_string() } else { given.title.clone() };
         folder.map_or(Ok(()), |folder| write(&folder, &title, &points, &reference, &runs.left_out))
     })?;
     if comm.is_root() {
@@ -174,11 +175,8 @@ fn points(methods: &[Method], runs: &[TimedRun], peers: &[Foreign], reference: &
 
 fn write(folder: &Folder, title: &str, points: &[Point], reference: &Reference, left_out: &[String]) -> Result<()> {
     let floor = reference.floor();
-    let text = |name: &str, text: String| {
-        folder.put(name, |path: &Path| std::fs::write(path, text).map_err(|e| Error::io(path, e)))
-    };
-    text("work-precision.csv", csv(points, floor))?;
-    text("summary.md", summary(title, points, reference, left_out))?;
+    folder.put_bytes("work-precision.csv", csv(points, floor))?;
+    folder.put_bytes("summary.md", summary(title, points, reference, left_out))?;
     let figure =
         Precision { title: title.to_owned(), methods: lines(points), floor: [floor.first, floor.whole, floor.tension] };
     ["work-precision.svg", "work-precision.png"]

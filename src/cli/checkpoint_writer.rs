@@ -117,6 +117,7 @@ impl CheckpointWriter {
 }
 
 /// Data of a run on rank 0 that are not part of the state of the simulation.
+#[derive(Default)]
 pub struct Known {
     /// Number of rows of the series.
     pub rows: usize,

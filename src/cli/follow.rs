@@ -6,7 +6,6 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use petsc_wrap::Comm;
 
 use crate::error::{Error, Result};
@@ -14,9 +13,7 @@ use crate::model;
 use crate::model::watch::{Judged, Stage, Watch, of_first};
 
 use super::interrupt::Interrupt;
-use super::note;
-use super::progress::Cadence;
-use super::terminal::has_bars;
+use super::progress::Shown;
 
 /// Follows the construction of a model on all ranks. Rank 0 shows the progress.
 pub struct Follower {
@@ -77,6 +74,9 @@ impl Watch for Follower {
     }
 }
 
+/// Shorter work is not shown.
+const FLASH: Duration = Duration::from_millis(300);
+
 /// Shows the current stage. A separate thread draws it, also during long stages.
 struct Display {
     stages: Option<Sender<Stage>>,
@@ -88,17 +88,19 @@ impl Display {
         let (sender, receiver) = mpsc::channel();
         let thread = std::thread::spawn(move || {
             let (begin, mut stage) = (Instant::now(), None);
-            let mut shown = Shown::new();
+            let mut shown = Shown::new(0, "{spinner} {elapsed} {msg}");
             loop {
                 match receiver.recv_timeout(Duration::from_millis(100)) {
                     Ok(next) => stage = Some(next),
                     Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => return shown.clear(),
+                    Err(RecvTimeoutError::Disconnected) => return shown.finish(),
                 }
                 // The last of several stages that arrived in the meantime.
                 stage = receiver.try_iter().last().or(stage);
-                if let Some(stage) = &stage {
-                    shown.show(stage, begin.elapsed());
+                let elapsed = begin.elapsed();
+                if let Some(stage) = stage.as_ref().filter(|_| elapsed > FLASH) {
+                    let line = || format!("{} ({:.0} s so far)", described(stage), elapsed.as_secs_f64());
+                    shown.show(0, || described(stage), line);
                 }
             }
         });
@@ -117,45 +119,6 @@ impl Drop for Display {
     fn drop(&mut self) {
         drop(self.stages.take());
         self.thread.take().map(JoinHandle::join);
-    }
-}
-
-/// The display: a bar on the terminal, or lines in a log.
-enum Shown {
-    Terminal(Option<ProgressBar>),
-    Lines(Cadence),
-}
-
-impl Shown {
-    fn new() -> Self {
-        if has_bars() { Self::Terminal(None) } else { Self::Lines(Cadence::new()) }
-    }
-
-    fn show(&mut self, stage: &Stage, elapsed: Duration) {
-        /// Shorter work is not shown.
-        const FLASH: Duration = Duration::from_millis(300);
-        match self {
-            Self::Terminal(bar) if elapsed > FLASH => {
-                let bar = bar.get_or_insert_with(|| {
-                    let style =
-                        ProgressStyle::with_template("{spinner} {elapsed} {msg}").expect("the template is valid");
-                    ProgressBar::new_spinner().with_style(style).with_elapsed(elapsed)
-                });
-                bar.set_message(described(stage));
-                bar.tick();
-            }
-            Self::Lines(cadence) if cadence.is_due() => {
-                cadence.next();
-                note(format_args!("{} ({:.0} s so far)", described(stage), elapsed.as_secs_f64()));
-            }
-            _ => {}
-        }
-    }
-
-    fn clear(&self) {
-        if let Self::Terminal(Some(bar)) = self {
-            bar.finish_and_clear();
-        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! `ricochet info`: prints the contents and the origin of a result.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -7,13 +8,15 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::impact::estimated;
 use crate::record::checkpoint::is_there;
+use crate::record::episodes::Episode;
 use crate::record::extremes::{Extreme, Extremes, extremes};
+use crate::record::provenance::{Cost, Origin, Provenance};
 use crate::record::read::{history, origin};
 use crate::record::sweep::{Quantity, Status, Sweep, is_sweep};
 
 use super::notes::counted;
-use super::summary::lines;
-use super::{Info, say, short};
+use super::summary::{costs, lines};
+use super::{Info, say, say_json, short};
 
 /// Prints the facts of a run or of a sweep.
 ///
@@ -24,38 +27,26 @@ pub fn info(arguments: &Info) -> Result<()> {
     let sweep = if is_sweep(path)? { Some(Sweep::read(path)?) } else { None };
     if arguments.scene {
         let text = match &sweep {
-            Some(sweep) => sweep.header.scene.clone(),
-            None => origin(path)?.0.scene,
+            Some(sweep) => sweep.header.origin.scene.clone(),
+            None => origin(path)?.0.origin.scene,
         };
         say(format_args!("{}", text.trim_end()));
         return Ok(());
     }
     match (sweep, arguments.json) {
         (Some(sweep), false) => SweepFacts::of(&sweep).print(),
-        (Some(sweep), true) => print_json(&SweepFacts::of(&sweep)),
+        (Some(sweep), true) => say_json(&SweepFacts::of(&sweep)),
         (None, false) => RunFacts::read(path)?.print(),
-        (None, true) => print_json(&RunFacts::read(path)?),
+        (None, true) => say_json(&RunFacts::read(path)?),
     }
     Ok(())
 }
 
-fn print_json(facts: &impl Serialize) {
-    // Names and numbers only: serialisation cannot fail. NaN becomes null.
-    say(format_args!("{}", serde_json::to_string_pretty(facts).unwrap_or_default()));
-}
-
-/// Facts of a run, in SI units.
+/// Facts of a run, in SI units; NaN is null in JSON.
 #[derive(Serialize)]
 struct RunFacts {
-    title: String,
-    version: String,
-    commit: String,
-    petsc_version: String,
-    petsc_options: String,
-    ranks: usize,
-    model: String,
-    reduction: String,
-    unknowns: usize,
+    #[serde(flatten)]
+    provenance: Provenance,
     rows: usize,
     /// Time of the last row, s.
     end: f64,
@@ -64,75 +55,35 @@ struct RunFacts {
     #[serde(skip_serializing_if = "Option::is_none")]
     restart: Option<PathBuf>,
     largest: Option<Extremes>,
-    contacts: Vec<ContactFacts>,
+    contacts: Vec<Episode>,
     /// Warnings and notes of the run.
     warnings: Vec<String>,
-    /// Estimated error of the acceleration over its peak, over the whole history; null without an estimate.
-    error_estimate: f64,
-    /// Estimated error of the deflection under the impactor over its largest value; null without an estimate.
-    deflection_error_estimate: f64,
-    /// Wall time of the run, s; null if the run has not ended.
-    wall_time: f64,
-    wall_time_model: f64,
-    wall_time_setup: f64,
-    wall_time_steps: f64,
-    solves: usize,
-    newton_iterations: usize,
-}
-
-/// A contact: start (s), end (s) and impulse (N s).
-#[derive(Serialize)]
-struct ContactFacts {
-    start: f64,
-    end: f64,
-    impulse: f64,
+    #[serde(flatten)]
+    cost: Cost,
 }
 
 impl RunFacts {
     fn read(path: &Path) -> Result<Self> {
         let (provenance, cost, is_complete) = origin(path)?;
         let history = history(path)?;
-        let contacts = history.contacts.iter().zip(&history.impulses);
         let can_go_on = !is_complete && is_there(path, provenance.run_id);
         Ok(Self {
             warnings: provenance.warnings.lines().map(str::to_owned).collect(),
-            title: provenance.title,
-            version: provenance.version,
-            commit: provenance.commit,
-            petsc_version: provenance.petsc_version,
-            petsc_options: provenance.petsc_options,
-            ranks: provenance.ranks,
-            model: provenance.model,
-            reduction: provenance.reduction,
-            unknowns: provenance.unknowns,
             rows: history.time.len(),
             end: history.time.last().copied().unwrap_or_default(),
             is_complete,
             restart: can_go_on.then(|| path.to_owned()),
             largest: extremes(path)?,
-            contacts: contacts.map(|(&(start, end), &impulse)| ContactFacts { start, end, impulse }).collect(),
-            error_estimate: cost.error_estimate,
-            deflection_error_estimate: cost.deflection_error_estimate,
-            wall_time: cost.total,
-            wall_time_model: cost.model,
-            wall_time_setup: cost.setup,
-            wall_time_steps: cost.steps,
-            solves: cost.solves,
-            newton_iterations: cost.newton_iterations,
+            contacts: history.contacts,
+            provenance,
+            cost,
         })
     }
 
     fn print(&self) {
-        let options = if self.petsc_options.is_empty() { "no options" } else { &self.petsc_options };
-        say(format_args!("title      {}", self.title));
-        say(format_args!(
-            "program    ricochet {} ({}), PETSc {} with {options}, {}",
-            self.version,
-            self.commit,
-            self.petsc_version,
-            counted(self.ranks, "rank")
-        ));
-        say(format_args!("model      {}, {} unknowns, reduction {}", self.model, self.unknowns, self.reduction));
+        let Provenance { origin, model, unknowns, reduction, .. } = &self.provenance;
+        print_origin(origin);
+        say(format_args!("model      {model}, {unknowns} unknowns, reduction {reduction}"));
         let state = match &self.restart {
             _ if self.is_complete => "complete".to_owned(),
             Some(path) => format!("not complete; --restart {} continues it", path.display()),
@@ -142,42 +93,37 @@ impl RunFacts {
         if let Some(largest) = &self.largest {
             let Extreme { value, time } = largest.acceleration;
             say(format_args!("largest    acceleration {} m/s² at {} ms", short(value), short(1e3 * time)));
-            for line in lines(largest, self.deflection_error_estimate) {
+            for line in lines(largest, self.cost.deflection_error_estimate) {
                 say(format_args!("           {line}"));
             }
         }
-        for ContactFacts { start, end, impulse } in &self.contacts {
+        for Episode { start, end, impulse, .. } in &self.contacts {
             say(format_args!("contact    {} to {} ms, {} N s", short(1e3 * start), short(1e3 * end), short(*impulse)));
         }
-        if !self.error_estimate.is_nan() {
-            say(format_args!(
-                "error      estimated {} of the peak over the whole history",
-                estimated(self.error_estimate)
-            ));
+        let Cost { error_estimate, total, .. } = self.cost;
+        if !error_estimate.is_nan() {
+            say(format_args!("error      estimated {} of the peak over the whole history", estimated(error_estimate)));
         }
         self.warnings.iter().for_each(|line| say(format_args!("remark     {line}")));
-        if !self.wall_time.is_nan() {
-            say(format_args!(
-                "cost       {:.3} s (model {:.3}, setup {:.3}, steps {:.3}), {} solves and {} Newton iterations",
-                self.wall_time,
-                self.wall_time_model,
-                self.wall_time_setup,
-                self.wall_time_steps,
-                self.solves,
-                self.newton_iterations
-            ));
+        if !total.is_nan() {
+            say(format_args!("cost       {}", costs(&self.cost)));
         }
     }
+}
+
+/// Prints the title of a scene and the program.
+fn print_origin(Origin { title, version, commit, petsc_version, petsc_options, ranks, .. }: &Origin) {
+    let options = if petsc_options.is_empty() { "no options" } else { petsc_options };
+    let ranks = counted(*ranks, "rank");
+    say(format_args!("title      {title}"));
+    say(format_args!("program    ricochet {version} ({commit}), PETSc {petsc_version} with {options}, {ranks}"));
 }
 
 /// Facts of a sweep.
 #[derive(Serialize)]
 struct SweepFacts {
-    title: String,
-    version: String,
-    commit: String,
-    petsc_version: String,
-    ranks: usize,
+    #[serde(flatten)]
+    origin: Origin,
     varied: Vec<Varied>,
     done: usize,
     failed: usize,
@@ -192,8 +138,9 @@ struct SweepFacts {
     largest_deflection: Option<[f64; 2]>,
     /// The same of the largest tension on all faces, Pa.
     largest_stress: Option<[f64; 2]>,
-    /// Estimated errors of these members.
-    error_estimates: SweepEstimates,
+    /// Estimated errors of these members: of the acceleration over its peak, over the whole history; of the deflection under
+    /// the impactor over its largest value; of the largest tension.
+    error_estimates: BTreeMap<&'static str, MemberEstimates>,
 }
 
 /// Estimated errors of the members of a sweep that are done.
@@ -203,38 +150,6 @@ struct MemberEstimates {
     largest: Option<f64>,
     /// Number of members without an estimate.
     without: usize,
-}
-
-/// Estimated errors of the members of a sweep, by quantity.
-#[derive(Serialize)]
-struct SweepEstimates {
-    /// Error of the acceleration over its peak, over the whole history.
-    acceleration: MemberEstimates,
-    /// Error of the deflection under the impactor over its largest value.
-    deflection: MemberEstimates,
-    /// Relative error of the largest tension.
-    stress: MemberEstimates,
-}
-
-impl SweepEstimates {
-    fn print(&self) {
-        let parts = [
-            (&self.acceleration, "of the acceleration"),
-            (&self.deflection, "of the deflection"),
-            (&self.stress, "of the tension"),
-        ];
-        let known = parts.into_iter().filter_map(|(MemberEstimates { largest, without }, what)| {
-            let without = match without {
-                0 => String::new(),
-                without => format!(" ({} without an estimate)", counted(*without, "member")),
-            };
-            Some(format!("{} {what}{without}", estimated((*largest)?)))
-        });
-        let known: Vec<String> = known.collect();
-        if !known.is_empty() {
-            say(format_args!("errors     estimated at most: {}", known.join(", ")));
-        }
-    }
 }
 
 /// A key that is varied.
@@ -248,54 +163,38 @@ struct Varied {
 impl SweepFacts {
     fn of(sweep: &Sweep) -> Self {
         let header = &sweep.header;
-        let count = |status: Status| sweep.status.iter().filter(|one| **one == status).count();
-        // Values of the members that are done and have one.
-        let of = |quantity: Quantity| {
-            let members = sweep.status.iter().zip(sweep.quantity(quantity));
-            members.filter(|(status, value)| **status == Status::Done && !value.is_nan()).map(|(_, value)| *value)
-        };
+        let of = |quantity: Quantity| sweep.done(quantity).map(|(value, _)| value);
         let most = |quantity: Quantity| of(quantity).reduce(f64::max);
         let estimates = |quantity: Quantity| MemberEstimates {
             largest: most(quantity),
-            without: count(Status::Done) - of(quantity).count(),
+            without: sweep.count(Status::Done) - of(quantity).count(),
         };
         let range = |quantity: Quantity| Some([of(quantity).reduce(f64::min)?, most(quantity)?]);
         Self {
-            title: header.title.clone(),
-            version: header.version.clone(),
-            commit: header.commit.clone(),
-            petsc_version: header.petsc_version.clone(),
-            ranks: header.ranks,
+            origin: header.origin.clone(),
             varied: header
                 .keys
                 .iter()
                 .map(|key| Varied { key: key.path.clone(), units: key.units.clone(), values: key.values.distinct() })
                 .collect(),
-            done: count(Status::Done),
-            failed: count(Status::Failed),
-            refused: count(Status::Refused),
-            missing: count(Status::Missing),
+            done: sweep.count(Status::Done),
+            failed: sweep.count(Status::Failed),
+            refused: sweep.count(Status::Refused),
+            missing: sweep.count(Status::Missing),
             part: header.shard.map(|(i, n)| [i, n]),
             peak_acceleration: range(Quantity::PeakAcceleration),
             largest_deflection: range(Quantity::LargestDeflection),
             largest_stress: range(Quantity::LargestStress),
-            error_estimates: SweepEstimates {
-                acceleration: estimates(Quantity::ErrorEstimate),
-                deflection: estimates(Quantity::DeflectionErrorEstimate),
-                stress: estimates(Quantity::StressErrorEstimate),
-            },
+            error_estimates: BTreeMap::from([
+                ("acceleration", estimates(Quantity::ErrorEstimate)),
+                ("deflection", estimates(Quantity::DeflectionErrorEstimate)),
+                ("stress", estimates(Quantity::StressErrorEstimate)),
+            ]),
         }
     }
 
     fn print(&self) {
-        say(format_args!("title      {}", self.title));
-        say(format_args!(
-            "program    ricochet {} ({}), PETSc {}, {}",
-            self.version,
-            self.commit,
-            self.petsc_version,
-            counted(self.ranks, "rank")
-        ));
+        print_origin(&self.origin);
         for Varied { key, units, values } in &self.varied {
             let units = if units == "1" { String::new() } else { format!(" [{units}]") };
             say(format_args!("varied     {key}{units}, {}", counted(*values, "value")));
@@ -319,6 +218,16 @@ impl SweepFacts {
                 say(format_args!("{name} {} to {} {unit}", short(factor * low), short(factor * high)));
             }
         }
-        self.error_estimates.print();
+        let known = self.error_estimates.iter().filter_map(|(what, MemberEstimates { largest, without })| {
+            let without = match without {
+                0 => String::new(),
+                without => format!(" ({} without an estimate)", counted(*without, "member")),
+            };
+            Some(format!("{} of the {what}{without}", estimated((*largest)?)))
+        });
+        let known: Vec<String> = known.collect();
+        if !known.is_empty() {
+            say(format_args!("errors     estimated at most: {}", known.join(", ")));
+        }
     }
 }

@@ -2,16 +2,18 @@
 
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use petsc_wrap::{Comm, options};
 use serde::{Deserialize, Serialize};
 
 use crate::agree::decided;
 use crate::error::{Error, Result};
-use crate::record::provenance::digest_of_file;
+use crate::record::provenance::{Provenance, digest_of_file};
 use crate::record::read;
 use crate::scene::{Geometry, Scene, Source};
+
+use super::SceneArguments;
 
 /// File name that stands for standard input.
 pub const STANDARD_INPUT: &str = "-";
@@ -38,22 +40,16 @@ struct Given {
 }
 
 /// Reads a scene, with all files that it names except the mesh, on rank 0. All ranks get the same data or the same
-/// error. For a result, its scene is used, and its options for PETSc are only named. `-` is standard input. Collective.
+/// error. For a result, its scene is used; its options for PETSc are used if they are asked for, else only named. `-` is standard
+/// input. Collective.
 ///
 /// # Errors
-/// [`Error::Output`] if the file cannot be read; [`Error::Usage`] if it is not text; [`Error::Scene`] if the scene is
-/// wrong.
-pub fn load(comm: &Comm, path: &Path, overrides: &[String]) -> Result<Loaded> {
-    load_with_options(comm, path, overrides, false)
-}
-
-/// Like [`load`]; with `is_applied`, the options for PETSc of a result are used as well. Collective.
-///
-/// # Errors
-/// Like [`load`]; [`Error::Usage`] if options are to be used and the scene is not from a result.
-pub fn load_with_options(comm: &Comm, path: &Path, overrides: &[String], is_applied: bool) -> Result<Loaded> {
+/// [`Error::Output`] if the file cannot be read; [`Error::Usage`] if it is not text, or if options are to be used and the scene
+/// is not from a result; [`Error::Scene`] if the scene is wrong.
+pub fn load(comm: &Comm, arguments: &SceneArguments) -> Result<Loaded> {
+    let SceneArguments { file: path, overrides, stored_options: is_applied, .. } = arguments;
     let Given { source, is_of_result, stored_options } = decided(comm, || given(path, overrides))?;
-    match is_applied {
+    match *is_applied {
         true if !is_of_result => {
             return Err(Error::Usage(format!(
                 "--stored-options: {} is a scene, not a result, and has none",
@@ -110,10 +106,9 @@ fn bytes(path: &Path) -> std::result::Result<Option<Vec<u8>>, String> {
 
 /// The scene of a result.
 fn of_result(path: &Path, overrides: &[String]) -> Result<Given> {
-    let origin = read::provenance(path)?;
-    let folder = PathBuf::from(origin.folder);
-    let (scene, source) = Scene::within(&path.display().to_string(), &folder, &origin.scene, overrides)?;
-    if mesh_digest(&scene).unwrap_or_default() != origin.mesh_digest.unwrap_or_default() {
+    let Provenance { origin, folder, mesh_digest: digest, .. } = read::provenance(path)?;
+    let (scene, source) = Scene::within(&path.display().to_string(), Path::new(&folder), &origin.scene, overrides)?;
+    if mesh_digest(&scene).unwrap_or_default() != digest.unwrap_or_default() {
         return Err(Error::Usage(changed(path, &scene)));
     }
     Ok(Given { source, is_of_result: true, stored_options: origin.petsc_options })

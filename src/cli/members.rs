@@ -7,12 +7,12 @@ use crate::impact::{Plan, beside, estimated};
 use crate::model::{
     Edges, LARGE_ERROR_OF_DEFLECTION, LARGE_ERROR_OF_TENSION, edges, largest_linear, may_lack_rotations,
 };
-use crate::record::sweep::{Quantity, Status, SweepWriter};
+use crate::record::sweep::{Quantity, Status, Sweep};
 use crate::record::useless::USELESS;
 use crate::scene::{Measure, Scene, Source};
 use crate::study::sweep::Grid;
 
-use super::notes::{self, GROWTH, Remark, UNESTIMATED_ROTATIONS, remedy_of_tension, scope_of_tolerance};
+use super::notes::{self, Remark, UNESTIMATED_ROTATIONS, history_above, of_large_deflection_error, remedy_of_tension};
 use super::summary::{beyond, ends_at_peak};
 use super::{note, tell};
 
@@ -96,14 +96,14 @@ impl Remarks {
     /// Remarks that a run would print about its results, for all members that are done. (A tension under the impact point that is not the
     /// largest has no estimate in a sweep.) `facts` has an entry for each
     /// member.
-    pub fn of_results(writer: &SweepWriter, facts: &[MemberFacts]) -> Self {
+    pub fn of_results(sweep: &Sweep, facts: &[MemberFacts]) -> Self {
         let mut all = Self::default();
         for (member, own) in facts.iter().enumerate() {
             let MemberFacts { tolerance, measure, remedy_of_tension, may_lack_rotations, end, edges, .. } = own;
-            if writer.status()[member] != Status::Done {
+            if sweep.status[member] != Status::Done {
                 continue;
             }
-            let of = |quantity| writer.quantity(quantity)[member];
+            let of = |quantity| sweep.quantity(quantity)[member];
             let (first, whole) = (of(Quantity::FirstContactError), of(Quantity::ErrorEstimate));
             let over_thickness = of(Quantity::DeflectionOverThickness);
             let deflection_error = of(Quantity::DeflectionErrorEstimate);
@@ -134,16 +134,13 @@ impl Remarks {
                 );
                 all.notes.add(member, remark("error of the tension", tension_error, text));
             }
-            if let Some(why) = writer.messages().get(&member) {
+            if let Some(why) = sweep.messages.get(&member) {
                 let text = format!("the error of the largest tension is not estimated: {why}");
                 all.notes.add(member, remark("tension without an estimate", of(Quantity::LargestStress), text));
             }
             if *measure != Measure::Deflection && deflection_error > LARGE_ERROR_OF_DEFLECTION {
-                let text = format!(
-                    "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value; \
-                     accuracy.quantity = \"deflection\" may lower this error",
-                    estimated(deflection_error)
-                );
+                let error = of_large_deflection_error(deflection_error);
+                let text = format!("{error}; accuracy.quantity = \"deflection\" may lower this error");
                 all.notes.add(member, remark("error of the deflection", deflection_error, text));
             }
             if *may_lack_rotations && deflection_error.is_nan() && !over_thickness.is_nan() {
@@ -159,21 +156,12 @@ impl Remarks {
                 let text = format!("{of_first}: {REMEDIES}");
                 all.warnings.add(member, remark("first contact", first, text));
             }
-            // If the error hardly grows after the first contact, the warning above already reports it.
-            let grows = whole > GROWTH * first;
-            let is_reported = first > *tolerance && applies_to_acceleration && !grows;
-            if whole > *tolerance && !is_useless && !is_reported {
-                let later = if grows { ": later times are more sensitive" } else { "" };
-                let scope = scope_of_tolerance(if applies_to_acceleration && *measure == Measure::Stress {
-                    Measure::Acceleration
-                } else {
-                    *measure
-                });
-                let text = format!(
-                    "the estimated error{of_what} over the whole history is {} of the peak, above accuracy.tolerance = \
-                     {tolerance:e}, which is for {scope}{later}; `ricochet run` of this member's scene says what may lower it",
-                    beside(whole, *tolerance)
-                );
+            let was_told = first > *tolerance && applies_to_acceleration;
+            let scope =
+                if applies_to_acceleration && *measure == Measure::Stress { Measure::Acceleration } else { *measure };
+            let above = history_above([first, whole], [*measure, scope], *tolerance, was_told);
+            if let Some(above) = above.filter(|_| !is_useless) {
+                let text = format!("{above}; `ricochet run` of this member's scene says what may lower it");
                 all.notes.add(member, remark("whole history", whole, text));
             }
             if over_thickness > largest_linear(*edges) {
@@ -196,7 +184,7 @@ impl Remarks {
 }
 
 /// Prints a note for each key without effect: members that differ only in this key have identical results.
-pub fn tell_of_idle_keys(grid: &Grid, writer: &SweepWriter) {
+pub fn tell_of_idle_keys(grid: &Grid, sweep: &Sweep) {
     const KEPT: [Quantity; 8] = [
         Quantity::PeakForce,
         Quantity::PeakTime,
@@ -207,13 +195,13 @@ pub fn tell_of_idle_keys(grid: &Grid, writer: &SweepWriter) {
         Quantity::LargestStress,
         Quantity::StrengthPassedAt,
     ];
-    let is_done = |member: &usize| writer.status()[*member] == Status::Done;
+    let is_done = |member: &usize| sweep.status[*member] == Status::Done;
     for (place, key) in grid.keys().iter().enumerate() {
         let other = |member: usize| (member, grid.with_first(member, place));
         let mut pairs =
             (0..grid.len()).map(other).filter(|(one, other)| one != other && is_done(one) && is_done(other));
         let alike = |(one, other): (usize, usize)| {
-            let bits = |member: usize| KEPT.map(|quantity| writer.quantity(quantity)[member].to_bits());
+            let bits = |member: usize| KEPT.map(|quantity| sweep.quantity(quantity)[member].to_bits());
             bits(one) == bits(other)
         };
         if let Some(first) = pairs.next()

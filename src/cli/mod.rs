@@ -33,6 +33,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
+use serde::Serialize;
 
 use crate::error::{Error, Result, visible};
 use crate::study::sweep::Shard;
@@ -76,11 +77,11 @@ pub enum Command {
     Report(Report),
     /// Show where each time integration scheme holds on a scene and where it fails: schemes × steps
     Stability(Stability),
-    /// Chart speed against accuracy on a scene: models × reductions × schemes × steps × meshes
+    /// Chart speed against accuracy on a scene: models × reductions × schemes × steps × meshes, in place of those of the scene
     Chart(Chart),
     /// Compute a scene for many values of its keys, and write the peaks and contacts of all members to an HDF5 file
     Sweep(Sweep),
-    /// Find the lowest value of a key at which the largest tension just reaches the strength
+    /// Find the lowest value of a key at which the largest tension just reaches the strength, which the scene gives
     Limit(Limit),
     /// Print a script that completes commands and options in a shell
     Completions(Completions),
@@ -105,11 +106,30 @@ pub struct Man {
     pub output: PathBuf,
 }
 
+/// Scene of a command, and options for PETSc.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// Scene file (TOML), - for standard input, or a result, whose scene is computed again
+    #[arg(value_name = "SCENE")]
+    pub file: PathBuf,
+    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
+    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
+    pub overrides: Vec<String>,
+    /// For a result as the scene: use the options for PETSc that it was made with. They are left out by default, since such options can
+    /// write files
+    #[arg(long, conflicts_with = "petsc")]
+    pub stored_options: bool,
+    /// Options for PETSc, unchanged, e.g. -- -log_view -snes_monitor
+    #[arg(last = true, value_name = "PETSC OPTIONS")]
+    pub petsc: Vec<String>,
+}
+
 /// `ricochet run`
 #[derive(Debug, Args)]
 pub struct Run {
-    /// Scene file (TOML), - for standard input, or a result, whose scene is run again
-    pub scene: PathBuf,
+    /// Scene, and options for PETSc.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Result file, overwritten if it is an earlier run; by default the scene's name with the ending .h5 in the current folder. Required for
     /// standard input or a result
     #[arg(short, long, value_name = "OUT.h5")]
@@ -121,35 +141,20 @@ pub struct Run {
     /// the peak
     #[arg(long)]
     pub force: bool,
-    /// For a result as the scene: use the options for PETSc that it was made with. They are left out by default, since such options can
-    /// write files
-    #[arg(long, conflicts_with = "petsc")]
-    pub stored_options: bool,
-    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
-    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    pub overrides: Vec<String>,
-    /// Options for PETSc, unchanged, e.g. -- -log_view -snes_monitor
-    #[arg(last = true, value_name = "PETSC OPTIONS")]
-    pub petsc: Vec<String>,
 }
 
 /// `ricochet check`
 #[derive(Debug, Args)]
 pub struct Check {
-    /// Scene file (TOML), - for standard input
-    pub scene: PathBuf,
+    /// Scene, and options for PETSc.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Build the model and estimate its errors, however long it takes
     #[arg(long)]
     pub full: bool,
     /// Print the facts as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
-    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    pub overrides: Vec<String>,
-    /// Options for PETSc, unchanged
-    #[arg(last = true, value_name = "PETSC OPTIONS")]
-    pub petsc: Vec<String>,
 }
 
 /// `ricochet info`
@@ -196,27 +201,23 @@ pub struct Report {
 /// `ricochet stability`
 #[derive(Debug, Args)]
 pub struct Stability {
-    /// Scene file (TOML)
-    pub scene: PathBuf,
+    /// Scene, and options for PETSc.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Folder for stability.csv, .svg and .png; made where it is missing
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// About how long the runs may take, after the references that they are measured by, s: the finest steps are left out; by default none
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub budget: Option<f64>,
-    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
-    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    pub overrides: Vec<String>,
-    /// Options for PETSc, unchanged
-    #[arg(last = true, value_name = "PETSC OPTIONS")]
-    pub petsc: Vec<String>,
 }
 
 /// `ricochet sweep`
 #[derive(Debug, Args)]
 pub struct Sweep {
-    /// Scene file (TOML)
-    pub scene: PathBuf,
+    /// Scene, and options for PETSc.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Result file; a sweep that is there already is continued
     #[arg(short, long, value_name = "OUT.h5")]
     pub output: PathBuf,
@@ -226,25 +227,20 @@ pub struct Sweep {
     /// Space all ranges logarithmically
     #[arg(long)]
     pub log: bool,
-    /// Override a key of the scene by its dotted path, for all members
-    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    pub overrides: Vec<String>,
     /// Keep the series of every member, as a run has them
     #[arg(long)]
     pub series: bool,
     /// Compute only part i of n (members i, i+n, i+2n, …) and write OUT.i-of-n.h5; a sweep without --shard merges the parts
     #[arg(long, value_name = "i/n")]
     pub shard: Option<Shard>,
-    /// Options for PETSc, unchanged
-    #[arg(last = true, value_name = "PETSC OPTIONS")]
-    pub petsc: Vec<String>,
 }
 
 /// `ricochet limit`
 #[derive(Debug, Args)]
 pub struct Limit {
-    /// Scene file (TOML) with the table strength, - for standard input
-    pub scene: PathBuf,
+    /// Scene, and options for PETSc.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Search this range of a numeric key for its lowest limit, such as impactor.speed=0.1..10 or body.size.2=0.004..0.04
     #[arg(long, value_name = "KEY=A..B", allow_hyphen_values = true)]
     pub vary: String,
@@ -254,19 +250,14 @@ pub struct Limit {
     /// Print the facts as one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Override a key of the scene by its dotted path, for all runs
-    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    pub overrides: Vec<String>,
-    /// Pass these options to PETSc, unchanged
-    #[arg(last = true, value_name = "PETSC OPTIONS")]
-    pub petsc: Vec<String>,
 }
 
 /// `ricochet chart`
 #[derive(Debug, Args)]
 pub struct Chart {
-    /// Scene file (TOML); its numerical choices are replaced by those of each method
-    pub scene: PathBuf,
+    /// Scene, and options for PETSc.
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Folder for work-precision.csv, .svg, .png and summary.md, and for the runs, which are not done again; made where it is missing
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
@@ -282,12 +273,6 @@ pub struct Chart {
     /// Table of other programs' runs: name, setting, seconds (or build and run), error (or series)
     #[arg(long = "with", value_name = "FILE.csv")]
     pub with: Vec<PathBuf>,
-    /// Override a key of the scene, such as time.step=1e-6 or support.0.stiffness=1e9 (entries count from 0; repeatable)
-    #[arg(long = "set", value_name = "KEY=VALUE", allow_hyphen_values = true)]
-    pub overrides: Vec<String>,
-    /// Options for PETSc, unchanged
-    #[arg(last = true, value_name = "PETSC OPTIONS")]
-    pub petsc: Vec<String>,
 }
 
 /// Whether this is rank 0 or a single process, according to the launcher's environment. Can be called before MPI is
@@ -307,6 +292,12 @@ pub fn say(line: fmt::Arguments) {
             let _ = STDOUT_ERROR.set(error.to_string());
         }
     }
+}
+
+/// Prints facts as one JSON object on standard output; NaN becomes null.
+fn say_json(facts: &impl Serialize) {
+    // Names and numbers only: serialisation cannot fail.
+    say(format_args!("{}", serde_json::to_string_pretty(facts).unwrap_or_default()));
 }
 
 /// First error while writing to standard output.

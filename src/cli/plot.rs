@@ -144,9 +144,9 @@ fn plot_sweep(file: &Path, out: &Path, name: &str) -> Result<()> {
     if !(0..status.len()).any(|member| is_done(&member)) {
         return refuse("no member of the sweep is done".into());
     }
-    let (title, results) = (header.title.clone(), sweep.quantity(quantity));
+    let (title, results) = (header.origin.title.clone(), sweep.quantity(quantity));
     if quantity == record::Quantity::LargestStressFace {
-        drawn.names = names_of_faces(&header.scene, results);
+        drawn.names = names_of_faces(&header.origin.scene, results);
     }
     if !results.iter().any(|result| result.is_finite()) {
         return refuse(format!("no member of the sweep has a {}", drawn.label));
@@ -159,12 +159,8 @@ fn plot_sweep(file: &Path, out: &Path, name: &str) -> Result<()> {
     let values: Option<Vec<Vec<f64>>> = header.keys.iter().map(numbers).collect();
     match (header.keys.as_slice(), values.as_deref()) {
         ([key], Some([values])) => {
-            let contacts = |index: usize| {
-                let from = sweep.contacts.partition_point(|(member, _)| *member < index);
-                let own = sweep.contacts[from..].iter().take_while(move |(member, _)| *member == index);
-                own.map(|(_, contact)| (contact.start, contact.end, contact.peak_force)).collect()
-            };
-            let member = |n: usize| figure::Member { value: values[n], result: results[n], contacts: contacts(n) };
+            let member =
+                |n: usize| figure::Member { value: values[n], result: results[n], contacts: sweep.contacts_of(n) };
             let members = (0..status.len()).filter(is_done).map(member).collect();
             figure::draw_curve(&figure::Curve { title, key: axis(key), quantity: drawn, members }, out)
         }

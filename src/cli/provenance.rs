@@ -6,13 +6,29 @@ use petsc_wrap::{Comm, options, petsc_version};
 
 use crate::error::Result;
 use crate::model::Model;
-use crate::record::provenance::{ModelDetails, Provenance, new_run_id};
+use crate::record::provenance::{ModelDetails, Origin, Provenance, new_run_id};
 use crate::scene::{Measure, Scene, Source};
 
 use super::load::mesh_digest;
 use super::notes::listed;
 
-/// Origin of a run of a scene by this program. The caller gives the name of the theory, the description of the
+/// Scene and program of a result that this program computes.
+///
+/// # Errors
+/// If a PETSc call fails.
+pub fn origin(comm: &Comm, scene: &Scene, source: &Source) -> Result<Origin> {
+    Ok(Origin {
+        title: scene.title.clone(),
+        scene: source.text().to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        commit: env!("RICOCHET_COMMIT").to_owned(),
+        petsc_version: petsc_version(),
+        petsc_options: options::all(comm.session())?,
+        ranks: comm.size(),
+    })
+}
+
+/// Provenance of a run of a scene by this program. The caller gives the name of the theory, the description of the
 /// reduction, and the number of unknowns without the impactor's.
 ///
 /// # Errors
@@ -25,18 +41,12 @@ pub fn provenance(
 ) -> Result<Provenance> {
     Ok(Provenance {
         run_id: new_run_id(),
-        title: scene.title.clone(),
-        scene: source.text().to_owned(),
+        origin: origin(comm, scene, source)?,
         // Relative to the current folder: a scene file in the current folder has an empty folder name.
         folder: std::path::absolute(Path::new(".").join(source.folder()).join(""))
             .map(|path| path.display().to_string())
             .unwrap_or_default(),
         mesh_digest: mesh_digest(scene),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        commit: env!("RICOCHET_COMMIT").to_owned(),
-        petsc_version: petsc_version(),
-        petsc_options: options::all(comm.session())?,
-        ranks: comm.size(),
         model: model.to_owned(),
         model_details: None,
         reduction,

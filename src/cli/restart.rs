@@ -9,13 +9,11 @@ use crate::error::{Error, Result};
 use crate::impact::checkpoint::{Checkpoint, Visitor};
 use crate::model::Simulation;
 use crate::record::checkpoint::{StoredCheckpoint, beside};
-use crate::record::episodes::Episodes;
-use crate::record::provenance::Provenance;
+use crate::record::provenance::{Origin, Provenance};
 use crate::record::read;
 use crate::record::series::{Earlier, Points};
 use crate::record::target::is_same;
 use crate::scene::{self, Geometry, Output, Scene, Source};
-use crate::space::evaluate::TensionMap;
 
 use super::checkpoint_writer::Known;
 use super::collect::{gathered, shared};
@@ -81,16 +79,9 @@ fn check_complete(
     (scene, text): (&Scene, &str),
 ) -> std::result::Result<(), String> {
     let shown = result.display();
-    let of_result = parsed(&shown.to_string(), &origin.scene, scene)?;
-    let end = of_result.time.end;
-    let mut same = of_result;
-    same.time.end = scene.time.end;
-    if same != *scene {
-        return Err(format!(
-            "{shown} is complete and of another scene ({}): without --restart this one is run anew",
-            differing(&origin.scene, text, result)
-        ));
-    }
+    let of_result = parsed(&shown.to_string(), &origin.origin.scene, scene)?;
+    let end = same_but_for_end(of_result, (scene, text), (result, &origin.origin.scene))
+        .map_err(|other| format!("{shown} is complete and {other}: without --restart this one is run anew"))?;
     if end != scene.time.end {
         return Err(format!(
             "{shown} is complete, to its end at {end:e} s, and a complete run has no checkpoint: without --restart the scene is run anew to \
@@ -110,16 +101,11 @@ fn check_complete(
 /// A run without a checkpoint begins again. Its scene must be the same, except for the end and the output.
 fn check_begun(origin: &Provenance, result: &Path, (scene, text): (&Scene, &str)) -> std::result::Result<(), String> {
     let shown = result.display();
-    let mut same = parsed(&shown.to_string(), &origin.scene, scene)?;
-    same.output = scene.output.clone();
-    same.time.end = scene.time.end;
-    if same != *scene {
-        return Err(format!(
-            "{shown} is of another scene ({}), and has no checkpoint: without --restart, --force replaces it",
-            differing(&origin.scene, text, result)
-        ));
-    }
-    Ok(())
+    let of_result = parsed(&shown.to_string(), &origin.origin.scene, scene)?;
+    let of_result = Scene { output: scene.output.clone(), ..of_result };
+    same_but_for_end(of_result, (scene, text), (result, &origin.origin.scene))
+        .map(|_| ())
+        .map_err(|other| format!("{shown} is {other}, and has no checkpoint: without --restart, --force replaces it"))
 }
 
 /// The scene of a checkpoint must be the same, except for the end and parts of the output.
@@ -130,22 +116,27 @@ fn check_scene(
     (scene, text): (&Scene, &str),
 ) -> std::result::Result<(), String> {
     let shown = beside(result).display().to_string();
-    let of_kept = parsed(&shown, &kept.scene, scene)?;
-    let end = of_kept.time.end;
-    let mut same = of_kept;
-    same.output.every = scene.output.every;
-    same.time.end = scene.time.end;
-    if same != *scene {
-        return Err(format!(
-            "{shown} is of another scene ({}): only its end, its title and [output] but for probes and fields may change",
-            differing(&kept.scene, text, result)
-        ));
-    }
+    let mut of_kept = parsed(&shown, &kept.scene, scene)?;
+    of_kept.output.every = scene.output.every;
+    let end = same_but_for_end(of_kept, (scene, text), (result, &kept.scene)).map_err(|other| {
+        format!("{shown} is {other}: only its end, its title and [output] but for probes and fields may change")
+    })?;
     // With controlled steps, the run may pass the end by one step. Therefore the same end is always accepted.
     if scene.time.end < end && scene.time.end < kept.time * (1.0 - 1e-9) {
         return Err(format!("{shown} is at t = {:.6e} s, beyond the end at {:e} s", kept.time, scene.time.end));
     }
     check_mesh(origin, result, scene)
+}
+
+/// The end of a stored scene, s, if it is otherwise the same as `scene`; else text that says how they differ. `text` and
+/// `there` are their texts.
+fn same_but_for_end(
+    mut stored: Scene,
+    (scene, text): (&Scene, &str),
+    (result, there): (&Path, &str),
+) -> std::result::Result<f64, String> {
+    let end = std::mem::replace(&mut stored.time.end, scene.time.end);
+    if stored == *scene { Ok(end) } else { Err(format!("of another scene ({})", differing(there, text, result))) }
 }
 
 /// Text that names the keys whose values differ from the scene of a result.
@@ -189,7 +180,7 @@ pub fn go_on(
 ) -> Result<Option<(Earlier, Summary)>> {
     let named = |why: String| format!("{}: {why}", beside(result).display());
     let past = moment.as_ref().map(|moment| {
-        for note in differences(&moment.origin, provenance) {
+        for note in differences(&moment.origin.origin, &provenance.origin) {
             tell(format_args!("note: {} {note}", result.display()));
         }
         earlier(moment, result, points, named)
@@ -210,9 +201,9 @@ pub fn go_on(
 }
 
 /// Notes on differences in the versions and the options between an earlier run and now.
-fn differences(origin: &Provenance, now: &Provenance) -> Vec<String> {
-    let of = |provenance: &Provenance| {
-        let Provenance { version, commit, petsc_version, .. } = provenance;
+fn differences(origin: &Origin, now: &Origin) -> Vec<String> {
+    let of = |origin: &Origin| {
+        let Origin { version, commit, petsc_version, .. } = origin;
         format!("ricochet {version} ({commit}) and PETSc {petsc_version}")
     };
     let mut all = Vec::new();
@@ -232,8 +223,7 @@ fn earlier(
     points: &Points,
     named: impl Fn(String) -> String,
 ) -> std::result::Result<(Earlier, Summary), String> {
-    let mut known =
-        Known { rows: 0, episodes: Episodes::default(), summary: Summary::default(), map: TensionMap::default() };
+    let mut known = Known::default();
     let checkpoint: &Checkpoint = &kept.checkpoint;
     known.visit(&mut Visitor::restore(checkpoint)).map_err(|error| named(error.to_string()))?;
     let Known { rows, episodes, summary, map } = known;
@@ -241,11 +231,6 @@ fn earlier(
     if !map.tension.is_empty() && map.tension.len() != mapped {
         return Err(named(format!("has tensions at {} points, and the body is read at {mapped}", map.tension.len())));
     }
-    let read = || {
-        let (columns, probes) = (read::rows(result, rows)?, read::probes(result, &points.probes, rows)?);
-        let tensions = read::tensions(result, &points.faces.names, rows)?;
-        Ok(Earlier { result: result.to_owned(), run_id: origin.run_id, columns, probes, tensions, map, episodes })
-    };
-    let earlier = read().map_err(|error: Error| error.to_string())?;
-    Ok((earlier, summary))
+    let rows = read::Rows::read(result, points, rows).map_err(|error| error.to_string())?;
+    Ok((Earlier { result: result.to_owned(), run_id: origin.run_id, rows, map, episodes }, summary))
 }

@@ -28,7 +28,7 @@ pub fn stability(comm: &Comm, arguments: &Stability) -> Result<i32> {
     if let Some(budget) = arguments.budget.filter(|budget| budget.is_nan() || *budget < 0.0) {
         return Err(Error::Usage(format!("--budget {budget}: expected a number of seconds, 0 or more")));
     }
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene)?;
     // Checked before minutes of work whose result could not be written.
     let mut folder = None;
     decided(comm, || {
@@ -73,7 +73,7 @@ fn find(comm: &Comm, scene: &Scene, budget: Option<f64>, interrupt: &Interrupt) 
 }
 
 fn write(folder: &Folder, study: &Study, scene: &Scene) -> Result<()> {
-    folder.put("stability.csv", |path| std::fs::write(path, csv(study)).map_err(|e| Error::io(path, e)))?;
+    folder.put_bytes("stability.csv", csv(study))?;
     let map = map(study, scene);
     ["stability.svg", "stability.png"].into_iter().try_for_each(|name| folder.put(name, |path| draw(&map, path)))
 }

@@ -122,16 +122,7 @@ impl Summary {
                 estimated(cost.error_estimate)
             ));
         }
-        say(format_args!(
-            "{}: {} s (model {}, setup {}, steps {}), {} solves and {} Newton iterations",
-            output.display(),
-            seconds(cost.total),
-            seconds(cost.model),
-            seconds(cost.setup),
-            seconds(cost.steps),
-            cost.solves,
-            cost.newton_iterations
-        ));
+        say(format_args!("{}: {}", output.display(), costs(cost)));
     }
 
     /// Warning that the force may rise further after the end of the run, if the last force is the largest.
@@ -260,6 +251,14 @@ pub fn lines(extremes: &Extremes, deflection_error: f64) -> Vec<String> {
         ));
     }
     lines
+}
+
+/// Wall times and counts of a run.
+pub fn costs(Cost { total, model, setup, steps, solves, newton_iterations, .. }: &Cost) -> String {
+    let [total, model, setup, steps] = [total, model, setup, steps].map(|time| seconds(*time));
+    format!(
+        "{total} s (model {model}, setup {setup}, steps {steps}), {solves} solves and {newton_iterations} Newton iterations"
+    )
 }
 
 /// Formats a time: to milliseconds below ten seconds, to tenths of a second above.

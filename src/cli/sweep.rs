@@ -5,11 +5,12 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
-use petsc_wrap::{Comm, options, petsc_version};
+use petsc_wrap::Comm;
 
 use crate::agree::{decided, of_root};
 use crate::error::{Error, INTERRUPTED, Result};
 use crate::model;
+use crate::record::provenance::Origin;
 use crate::record::stress::StrengthVerdict;
 use crate::record::sweep::{Header, Member, Quantity, Status, Sweep as Shard, SweepWriter};
 use crate::scene::{Model, Scene, Source};
@@ -20,6 +21,7 @@ use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::members::{MemberFacts, Remarks, tell_of_idle_keys};
 use super::progress::Items;
+use super::provenance::origin;
 use super::{Sweep, note, say, short, tell, warn_of_unused_options};
 
 /// Key whose values are files. Their contents are stored in the scenes of the members.
@@ -33,7 +35,7 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
     let begin = Instant::now();
     let variations = arguments.vary.iter().map(|given| Variation::parse(given, arguments.log));
     let mut grid = variations.collect::<std::result::Result<_, _>>().and_then(Grid::new).map_err(Error::Usage)?;
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene).map_err(of_base)?;
     let tables = decided(comm, || {
         let contents = |file: &String| Ok(Scene::table_in_file(&source, file)?);
         grid.texts(TABLE).iter().map(contents).collect::<Result<Vec<String>>>()
@@ -95,8 +97,8 @@ pub fn sweep(comm: &Comm, arguments: &Sweep) -> Result<i32> {
         recorder.writer.finish()?;
         let has_strength = facts.iter().any(|facts| facts.has_strength);
         recorder.print(&grid, has_strength, begin.elapsed().as_secs_f64());
-        Remarks::of_results(&recorder.writer, &facts).tell(&grid);
-        tell_of_idle_keys(&grid, &recorder.writer);
+        Remarks::of_results(recorder.writer.sweep(), &facts).tell(&grid);
+        tell_of_idle_keys(&grid, recorder.writer.sweep());
         if flow.is_break() {
             let (missing, them) = match recorder.missing().len() {
                 1 => ("1 member is".to_owned(), "it"),
@@ -173,13 +175,7 @@ fn task(arguments: &Sweep, source: &Source, grid: &Grid, index: usize) -> Result
 fn header(comm: &Comm, arguments: &Sweep, grid: &Grid, (scene, source): (&Scene, &Source)) -> Result<Header> {
     let probes = scene.output.probes.iter().map(|probe| probe.name.clone());
     Ok(Header {
-        title: scene.title.clone(),
-        scene: source.text().to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        commit: env!("RICOCHET_COMMIT").to_owned(),
-        petsc_version: petsc_version(),
-        petsc_options: options::all(comm.session())?,
-        ranks: comm.size(),
+        origin: origin(comm, scene, source)?,
         keys: grid.keys(),
         has_series: arguments.series,
         probes: if arguments.series { probes.collect() } else { Vec::new() },
@@ -201,13 +197,10 @@ impl SweepRecorder {
     fn open(arguments: &Sweep, header: &Header) -> Result<Self> {
         let output = arguments.shard.map_or(arguments.output.clone(), |shard| shard.path(&arguments.output));
         let writer = SweepWriter::open(&output, header)?;
-        if writer.header().commit != header.commit {
-            note(format_args!(
-                "note: {} was begun by another version of ricochet, {} ({})",
-                output.display(),
-                writer.header().version,
-                writer.header().commit
-            ));
+        let Origin { version, commit, .. } = &writer.sweep().header.origin;
+        if *commit != header.origin.commit {
+            let output = output.display();
+            note(format_args!("note: {output} was begun by another version of ricochet, {version} ({commit})"));
         }
         let mut recorder = Self { writer, progress: Items::new(0, "members"), output, before: 0 };
         if arguments.shard.is_none() && !recorder.missing().is_empty() {
@@ -222,7 +215,7 @@ impl SweepRecorder {
 
     fn take_over(&mut self, path: &Path) -> Result<()> {
         let part = Shard::read(path)?;
-        let differs = self.writer.header().check_same(&part.header);
+        let differs = self.writer.sweep().header.check_same(&part.header);
         differs.map_err(|why| Error::io(path, format!("{why}: it cannot be a part of {}", self.output.display())))?;
         let mut count = 0;
         for index in self.missing() {
@@ -239,7 +232,7 @@ impl SweepRecorder {
 
     /// Members that belong in this file and are missing.
     fn missing(&self) -> Vec<usize> {
-        self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Missing).collect()
+        self.writer.mine().filter(|member| self.writer.sweep().status[*member] == Status::Missing).collect()
     }
 
     fn keep(&mut self, member: Option<Member>) -> Result<()> {
@@ -248,13 +241,10 @@ impl SweepRecorder {
         self.writer.push(member)
     }
 
-    fn count(&self, status: Status) -> usize {
-        self.writer.mine().filter(|member| self.writer.status()[*member] == status).count()
-    }
-
     /// Exit status of a completed sweep.
     fn status(&self) -> i32 {
-        match (self.count(Status::Failed), self.count(Status::Refused)) {
+        let sweep = self.writer.sweep();
+        match (sweep.count(Status::Failed), sweep.count(Status::Refused)) {
             (0, 0) => 0,
             (0, _) => 2,
             _ => 3,
@@ -263,12 +253,8 @@ impl SweepRecorder {
 
     /// Prints the sweep in a few lines; with a strength, also the tensions.
     fn print(&self, grid: &Grid, has_strength: bool, time: f64) {
-        let done: Vec<usize> =
-            self.writer.mine().filter(|member| self.writer.status()[*member] == Status::Done).collect();
-        let of = |quantity: Quantity| {
-            let values = self.writer.quantity(quantity);
-            done.iter().map(|member| (values[*member], *member))
-        };
+        let sweep = self.writer.sweep();
+        let (of, done) = (|quantity| sweep.done(quantity), sweep.count(Status::Done));
         let by_value = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0);
         let (low, high) =
             (of(Quantity::PeakAcceleration).min_by(by_value), of(Quantity::PeakAcceleration).max_by(by_value));
@@ -287,36 +273,33 @@ impl SweepRecorder {
                 grid.name(at)
             ));
         }
-        let tensions = of(Quantity::LargestStress).filter(|(tension, _)| tension.is_finite());
+        let tensions = of(Quantity::LargestStress);
         if has_strength
             && let (Some((low, _)), Some((high, at))) = (tensions.clone().min_by(by_value), tensions.max_by(by_value))
         {
-            let passed: Vec<usize> =
-                of(Quantity::StrengthPassedAt).filter(|(time, _)| time.is_finite()).map(|(_, n)| n).collect();
+            let mut passed = of(Quantity::StrengthPassedAt);
+            let (count, first) = (passed.clone().count(), passed.next());
             let undecided = StrengthVerdict::Undecided.number();
             let open = of(Quantity::StrengthVerdict).filter(|(number, _)| *number == undecided).count();
-            let strength = match &passed[..] {
-                [] if open == 0 => "the strength is not exceeded".to_owned(),
-                [] => format!("whether the strength is exceeded is undecided in {open} of {} members", done.len()),
-                all if all.len() == done.len() => "the strength is exceeded in all members".to_owned(),
-                [first, ..] => {
-                    let (count, all) = (passed.len(), done.len());
-                    format!(
-                        "the strength is exceeded in {count} of {all} members, the first of them {}",
-                        grid.name(*first)
-                    )
+            let strength = match first {
+                None if open == 0 => "the strength is not exceeded".to_owned(),
+                None => format!("whether the strength is exceeded is undecided in {open} of {done} members"),
+                Some(_) if count == done => "the strength is exceeded in all members".to_owned(),
+                Some((_, first)) => {
+                    let first = grid.name(first);
+                    format!("the strength is exceeded in {count} of {done} members, the first of them {first}")
                 }
             };
             let (low, high) = (short(1e-6 * low), short(1e-6 * high));
             say(format_args!("largest tension {low} to {high} MPa, the largest of {}; {strength}", grid.name(at)));
         }
-        let failed = self.count(Status::Failed) + self.count(Status::Refused);
-        let is_failed = |member: usize| self.writer.status()[member] != Status::Done;
-        if let Some((first, why)) = self.writer.messages().iter().find(|(member, _)| is_failed(**member)) {
+        let failed = sweep.count(Status::Failed) + sweep.count(Status::Refused);
+        let is_failed = |member: usize| sweep.status[member] != Status::Done;
+        if let Some((first, why)) = sweep.messages.iter().find(|(member, _)| is_failed(**member)) {
             say(format_args!("failed: {failed}, the first of them {}: {why}", grid.name(*first)));
         }
         let there = if self.before > 0 { format!(", {} of them were there", self.before) } else { String::new() };
-        let (all, kept) = (self.writer.mine().count(), done.len() + failed);
+        let (all, kept) = (self.writer.mine().count(), done + failed);
         say(format_args!("{}: {kept} of {all} members{there}, {time:.1} s", self.output.display()));
     }
 }

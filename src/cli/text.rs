@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::record::folder::Folder;
 use crate::scene;
 
-use super::{Cli, Completions, Man, check_stdout, say};
+use super::{Cli, Completions, Man, check_stdout, say, say_json};
 
 /// Prints completions for a shell.
 ///
@@ -24,8 +24,7 @@ pub fn completions(arguments: &Completions) -> Result<()> {
 /// # Errors
 /// [`Error::Io`] if it cannot be written.
 pub fn schema() -> Result<()> {
-    // A tree of texts: serialisation cannot fail.
-    say(format_args!("{}", serde_json::to_string_pretty(&scene::schema()).unwrap_or_default()));
+    say_json(&scene::schema());
     check_stdout()
 }
 
@@ -51,7 +50,7 @@ pub fn man(arguments: &Man) -> Result<()> {
         if !there.is_empty() && !there.contains(".TH ricochet") {
             return Err(Error::io(&arguments.output.join(&file), "is no page of this manual, so it is not replaced"));
         }
-        folder.put(&file, |path| std::fs::write(path, &page).map_err(|error| Error::io(path, error)))?;
+        folder.put_bytes(&file, &page)?;
         names.push(file);
     }
     say(format_args!("{}: {}", arguments.output.display(), names.join(", ")));

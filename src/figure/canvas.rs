@@ -1,6 +1,7 @@
 //! The canvas on which figures are drawn: an SVG or a bitmap.
 
 use super::letters::{Letters, one_line};
+use super::scale::Scale;
 use super::stroke::{Point, Stroke, dashed};
 use plotters::backend::DrawingBackend;
 use plotters::coord::Shift;
@@ -170,6 +171,12 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
             .pos(Pos::new(side, VPos::Center));
         let text = if self.has_other_fonts { one_line(text) } else { self.letters.plain(text, '?') };
         self.area.draw_text(&text, &style, self.point(at.0, at.1)).map_err(|e| e.to_string())
+    }
+
+    /// Width of the widest label of an axis with letters of `size` pixels.
+    pub fn widest(&self, scale: &Scale, size: f64) -> f64 {
+        let ticks = scale.ticks();
+        ticks.iter().flat_map(|tick| &tick.1).map(|label| self.text_width(label, size)).fold(0.0, f64::max)
     }
 
     /// Width of a text with letters of `size` pixels.

@@ -6,6 +6,7 @@ use super::stroke::Stroke;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
+/// Size of the letters: letters of half this size, as in a figure shown with a width of 800 pixels, are still readable.
 pub(super) const LETTERS: f64 = 30.0;
 /// Smallest distance between neighbouring labels of the horizontal axis.
 const APART: f64 = 8.0;
@@ -13,6 +14,9 @@ pub(super) const SMALL: f64 = 24.0;
 const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
 pub(super) const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
 pub(super) const TICK: f64 = 8.0;
+/// Colours of texts and marks, and of what lies under them.
+pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
+pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
 
 /// A rectangular part of the sheet (its edges in pixels) with a horizontal and a vertical axis.
 pub(super) struct Frame {
@@ -50,6 +54,19 @@ impl Frame {
 
     /// Draws the frame, and the ticks of both axes. The horizontal axis has labels only if `is_last`.
     pub fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Drawn {
+        for (place, label) in self.y.ticks() {
+            let y = self.bottom - place * (self.bottom - self.top);
+            let length = if label.is_some() { TICK } else { 0.5 * TICK };
+            line(canvas, (self.left - length, y), (self.left, y), &FRAME)?;
+            if let Some(label) = label {
+                canvas.text(&label, (self.left - 14.0, y), LETTERS, Anchor::Right)?;
+            }
+        }
+        self.draw_across(canvas, is_last)
+    }
+
+    /// Draws the frame, and the ticks of the horizontal axis, with labels only if `is_last`.
+    pub fn draw_across<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, is_last: bool) -> Drawn {
         // Smallest position of the next label. On narrow figures some labels are omitted.
         let mut free = f64::NEG_INFINITY;
         for (place, label) in self.x.ticks() {
@@ -63,14 +80,6 @@ impl Frame {
                 free = x + half + APART;
             }
         }
-        for (place, label) in self.y.ticks() {
-            let y = self.bottom - place * (self.bottom - self.top);
-            let length = if label.is_some() { TICK } else { 0.5 * TICK };
-            line(canvas, (self.left - length, y), (self.left, y), &FRAME)?;
-            if let Some(label) = label {
-                canvas.text(&label, (self.left - 14.0, y), LETTERS, Anchor::Right)?;
-            }
-        }
         for y in [self.top, self.bottom] {
             line(canvas, (self.left, y), (self.right, y), &FRAME)?;
         }
@@ -78,6 +87,14 @@ impl Frame {
             line(canvas, (x, self.top), (x, self.bottom), &FRAME)?;
         }
         Ok(())
+    }
+}
+
+/// Title of an axis with its unit, if it has one.
+pub(super) fn titled(title: &str, unit: &str) -> String {
+    match unit.trim() {
+        "" => title.to_owned(),
+        unit => format!("{title} ({unit})"),
     }
 }
 

@@ -1,13 +1,14 @@
 //! Draws quantities of runs against time.
 
-use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, Sheet};
-use super::legend::{Entry, LETTERS, LINE, MARGIN, draw_legend, draw_title};
+use super::frame::{FRAME, Frame, LETTERS, titled};
+use super::legend::{Entry, LINE, MARGIN, draw_legend, draw_title};
 use super::output::{inline, save};
+use super::scale::Scale;
 use super::stroke::{LIMIT, MAX_STROKES, Stroke, TOTAL, is_like_total, stroke, thinned};
 use crate::error::{Error, Result};
+use crate::record::episodes::Episode;
 use plotters::backend::DrawingBackend;
-use plotters::style::RGBColor;
 use std::path::Path;
 
 /// Data of a figure: a quantity of one or more runs against time.
@@ -30,8 +31,8 @@ pub struct RunCurves {
     pub time: Vec<f64>,
     /// The quantity, or one curve for each of its components.
     pub curves: Vec<Curve>,
-    /// Start and end of each contact, s.
-    pub contacts: Vec<(f64, f64)>,
+    /// The contacts.
+    pub contacts: Vec<Episode>,
 }
 
 /// One curve.
@@ -89,30 +90,8 @@ const CONTACTS: (f64, f64) = (36.0, 160.0);
 /// Distance between the plot and the area with the contacts, pixels.
 const CONTACTS_GAP: f64 = 16.0;
 
-const GRID: Stroke = Stroke { colour: RGBColor(222, 222, 222), width: 1.5, dashes: &[] };
-const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
-
-/// Layout of the figure, which converts values to pixels.
-struct Plot {
-    x: Axis,
-    y: Axis,
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
-    /// Lower end of the area with the contacts.
-    foot: f64,
-}
-
-impl Plot {
-    fn at_x(&self, x: f64) -> f64 {
-        self.left + (x - self.x.low) / (self.x.high - self.x.low) * (self.right - self.left)
-    }
-
-    fn at_y(&self, y: f64) -> f64 {
-        self.bottom - (y - self.y.low) / (self.y.high - self.y.low) * (self.bottom - self.top)
-    }
-}
+/// Distance of the titles of the axes from the labels, pixels.
+const TITLES: f64 = 50.0;
 
 impl Drawing for History {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
@@ -121,15 +100,20 @@ impl Drawing for History {
         let entries: Vec<Entry> =
             self.curves().zip(&strokes).map(|(curve, stroke)| Entry { label: &curve.label, stroke: *stroke }).collect();
         let top = draw_legend(canvas, top, &entries)?;
-        let plot = self.plot(canvas, top);
-        self.draw_axes(canvas, &plot)?;
-        self.draw_contacts(canvas, &plot)?;
+        let [plot, below] = self.frames(canvas, top);
+        plot.draw_grid(canvas)?;
         let curves = self.runs.iter().flat_map(|run| run.curves.iter().map(move |curve| (run, curve)));
         for ((run, curve), stroke) in curves.zip(&strokes) {
             let points = run.points(curve).map(|(t, value)| canvas.point(plot.at_x(t), plot.at_y(value)));
             canvas.line(&thinned(points), stroke)?;
         }
-        Ok(())
+        plot.draw_axes(canvas, false)?;
+        self.draw_contacts(canvas, &below)?;
+        below.draw_axes(canvas, true)?;
+        let title = titled("time", &below.x.unit("ms"));
+        canvas.text(&title, (0.5 * (plot.left + plot.right), below.bottom + 84.0), LETTERS, Anchor::Centre)?;
+        let title = titled(&self.quantity, &plot.y.unit(&self.unit));
+        canvas.text(&title, (MARGIN + 12.0, 0.5 * (top + below.bottom)), LETTERS, Anchor::Upwards)
     }
 }
 
@@ -151,7 +135,8 @@ impl History {
         self.curves().map(stroke).collect()
     }
 
-    fn plot<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, top: f64) -> Plot {
+    /// Frames of the curves and, below it, of the contacts.
+    fn frames<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, top: f64) -> [Frame; 2] {
         let (mut x, mut y) = ((0.0_f64, 0.0_f64), (0.0_f64, 0.0_f64));
         let points = self.runs.iter().flat_map(|run| run.curves.iter().flat_map(|curve| run.points(curve)));
         for (t, value) in points {
@@ -163,22 +148,14 @@ impl History {
         let seen = |own: f64, other: f64| if own.abs() < 1e-3 * other.abs() { 0.0 } else { own };
         let y = (seen(y.0, y.1), seen(y.1, y.0));
         // Leaves a margin of 2% above the highest peak and below the lowest.
-        let (x, y) = (Axis::spanning(x.0, x.1), Axis::spanning(1.02 * y.0, 1.02 * y.1));
-        let widest = y
-            .ticks()
-            .iter()
-            .map(|(_, label)| canvas.text_width(label, LETTERS))
-            .fold(canvas.text_width(CONTACT_LABEL, LETTERS), f64::max);
+        let (values, contacts) = (Scale::spanning(1.02 * y.0, 1.02 * y.1), Scale::named(&["contact".to_owned()]));
+        let left = MARGIN + TITLES + canvas.widest(&values, LETTERS).max(canvas.widest(&contacts, LETTERS));
+        let right = canvas.width - 1.6 * MARGIN;
         let foot = canvas.height - MARGIN - 2.0 * LINE - 14.0;
-        Plot {
-            x,
-            y,
-            left: MARGIN + LINE + widest + 18.0,
-            right: canvas.width - 1.6 * MARGIN,
-            top,
-            bottom: foot - self.pitch() * self.runs.len() as f64 - CONTACTS_GAP,
-            foot,
-        }
+        let below = foot - self.pitch() * self.runs.len() as f64;
+        let frame =
+            |top: f64, bottom: f64, y: Scale| Frame { left, right, top, bottom, x: Scale::spanning(x.0, x.1), y };
+        [frame(top, below - CONTACTS_GAP, values), frame(below, foot, contacts)]
     }
 
     /// Height of one run's row of contacts, pixels.
@@ -187,13 +164,9 @@ impl History {
         (16.0 * count).clamp(CONTACTS.0, CONTACTS.1) / count
     }
 
-    /// Draws the contacts of each run as a row of bars, between the plot and the labels of the time axis.
-    fn draw_contacts<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
+    /// Draws the contacts of each run as a row of bars.
+    fn draw_contacts<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame) -> Drawn {
         let pitch = self.pitch();
-        let top = plot.bottom + CONTACTS_GAP;
-        let middle = 0.5 * (top + plot.foot) - 2.0;
-        let at = (plot.left - 14.0, middle);
-        canvas.text(CONTACT_LABEL, at, LETTERS, Anchor::Right)?;
         let (mut curves, all) = (0, self.curves().count());
         for (n, run) in self.runs.iter().enumerate() {
             // The contacts of a single run with several components do not belong to one of its curves, so they get a
@@ -201,55 +174,19 @@ impl History {
             let is_of_all = self.runs.len() == 1 && all > 1;
             let colour = if is_of_all { FRAME.colour } else { stroke(curves, all).colour };
             curves += run.curves.len();
-            let y = top + (n as f64 + 0.5) * pitch - 3.0;
+            let y = frame.top + (n as f64 + 0.5) * pitch;
             let half = (0.36 * pitch).min(6.0);
-            for &(start, end) in &run.contacts {
+            for &Episode { start, end, .. } in &run.contacts {
                 if !(start.is_finite() && end.is_finite()) {
                     continue;
                 }
-                let from = plot.at_x(1e3 * start).max(plot.left);
+                let from = frame.at_x(1e3 * start).max(frame.left);
                 // A bar has a width of at least 2 pixels, so that it is visible.
-                let to = plot.at_x(1e3 * end).min(plot.right).max(from + 2.0);
+                let to = frame.at_x(1e3 * end).min(frame.right).max(from + 2.0);
                 canvas.rectangle((from, y - half), (to, y + half), colour)?;
             }
         }
         Ok(())
-    }
-}
-
-const CONTACT_LABEL: &str = "contact";
-
-impl History {
-    /// Draws the grid, frame, ticks and titles of both axes.
-    fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot) -> Drawn {
-        let line = |from: (f64, f64), to: (f64, f64), stroke| {
-            canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], stroke)
-        };
-        for (x, label) in plot.x.ticks() {
-            let x = plot.at_x(x);
-            line((x, plot.top), (x, plot.foot), &GRID)?;
-            line((x, plot.foot), (x, plot.foot + 8.0), &FRAME)?;
-            canvas.text(&label, (x, plot.foot + 30.0), LETTERS, Anchor::Centre)?;
-        }
-        for (y, label) in plot.y.ticks() {
-            let y = plot.at_y(y);
-            line((plot.left, y), (plot.right, y), &GRID)?;
-            line((plot.left - 8.0, y), (plot.left, y), &FRAME)?;
-            canvas.text(&label, (plot.left - 14.0, y), LETTERS, Anchor::Right)?;
-        }
-        line((plot.left, plot.top), (plot.left, plot.foot), &FRAME)?;
-        line((plot.left, plot.bottom), (plot.right, plot.bottom), &FRAME)?;
-        line((plot.left, plot.foot), (plot.right, plot.foot), &FRAME)?;
-        let title = format!("time ({})", plot.x.unit("ms"));
-        let middle = 0.5 * (plot.left + plot.right);
-        let at = (middle, canvas.height - MARGIN - 14.0);
-        canvas.text(&title, at, LETTERS, Anchor::Centre)?;
-        let title = match plot.y.unit(&self.unit).trim() {
-            "" => self.quantity.clone(),
-            unit => format!("{} ({unit})", self.quantity),
-        };
-        let at = (MARGIN + 12.0, 0.5 * (plot.top + plot.foot));
-        canvas.text(&title, at, LETTERS, Anchor::Upwards)
     }
 }
 

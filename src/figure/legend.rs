@@ -1,12 +1,11 @@
 //! Draws the title of a figure and the legend of its curves.
 
 use super::canvas::{Anchor, Canvas};
+use super::frame::LETTERS;
 use super::letters::one_line;
 use super::stroke::Stroke;
 use plotters::backend::DrawingBackend;
 
-/// Size of the letters: letters of half this size, as in a figure shown with a width of 800 pixels, are still readable.
-pub(super) const LETTERS: f64 = 32.0;
 const LEGEND_LETTERS: f64 = 29.0;
 pub(super) const MARGIN: f64 = 30.0;
 /// Height of a line of text.

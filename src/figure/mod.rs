@@ -1,7 +1,6 @@
 //! Draws figures of results.
 
 mod axis;
-mod bar;
 mod canvas;
 pub mod face;
 mod frame;

@@ -1,7 +1,7 @@
 //! Draws work-precision charts: wall time and error of the settings of several methods.
 
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
-use super::frame::{Frame, LETTERS, SMALL, line};
+use super::frame::{Frame, INK, LETTERS, PAPER, SMALL, line};
 use super::output::save;
 use super::scale::Scale;
 use super::stroke::{COLOURS, MAX_STROKES, Stroke, stroke};
@@ -79,8 +79,6 @@ const TITLES: [&str; PANELS] =
 
 const FRONT: Stroke = Stroke { colour: RGBColor(255, 221, 130), width: 13.0, dashes: &[] };
 const UNKNOWN: RGBColor = RGBColor(238, 238, 238);
-const INK: RGBColor = RGBColor(30, 30, 30);
-const PAPER: RGBColor = RGBColor(255, 255, 255);
 
 impl Precision {
     fn settings(&self) -> impl Iterator<Item = &Setting> {
@@ -170,31 +168,29 @@ impl Precision {
             line(canvas, pair[0], corner, &FRONT)?;
             line(canvas, corner, pair[1], &FRONT)?;
         }
-        for (n, method) in self.methods.iter().enumerate() {
+        let known = |setting: &&Setting| setting.errors[panel].is_finite();
+        let methods = self.methods.iter().map(|method| {
+            let settings = method.settings.iter().filter(known);
+            settings.map(|setting| (setting, at(setting.seconds, setting.errors[panel]))).collect()
+        });
+        let settings: Vec<Vec<(&Setting, (f64, f64))>> = methods.collect();
+        for (n, (method, settings)) in self.methods.iter().zip(&settings).enumerate() {
             let look = stroke(n, self.methods.len());
-            let known: Vec<&Setting> =
-                method.settings.iter().filter(|setting| setting.errors[panel].is_finite()).collect();
-            let pixels: Vec<(f64, f64)> = known.iter().map(|s| at(s.seconds, s.errors[panel])).collect();
-            let points: Vec<_> = pixels.iter().map(|(x, y)| canvas.point(*x, *y)).collect();
+            let points: Vec<_> = settings.iter().map(|(_, (x, y))| canvas.point(*x, *y)).collect();
             canvas.line(&points, &Stroke { width: 0.7 * look.width, ..look })?;
-            pixels.iter().try_for_each(|pixel| draw_mark(canvas, *pixel, (method.is_foreign, n), look.colour))?;
+            settings.iter().try_for_each(|(_, at)| draw_mark(canvas, *at, (method.is_foreign, n), look.colour))?;
         }
         // Ringed marks are drawn above all lines.
-        let mut marks: Vec<(f64, f64)> = self
-            .settings()
-            .filter(|setting| setting.errors[panel].is_finite())
-            .map(|setting| at(setting.seconds, setting.errors[panel]))
-            .collect();
-        for (n, method) in self.methods.iter().enumerate() {
+        let mut marks: Vec<(f64, f64)> = settings.iter().flatten().map(|(_, at)| *at).collect();
+        for (n, settings) in settings.iter().enumerate() {
             let colour = stroke(n, self.methods.len()).colour;
-            for setting in method.settings.iter().filter(|setting| setting.errors[panel].is_finite()) {
-                let Some(mark) = &setting.mark else { continue };
-                let (x, y) = at(setting.seconds, setting.errors[panel]);
-                canvas.dot((x, y), 14.0, INK)?;
-                canvas.dot((x, y), 11.0, PAPER)?;
-                canvas.dot((x, y), 7.0, colour)?;
+            for (setting, (x, y)) in settings {
+                let (Some(mark), at) = (&setting.mark, (*x, *y)) else { continue };
+                canvas.dot(at, 14.0, INK)?;
+                canvas.dot(at, 11.0, PAPER)?;
+                canvas.dot(at, 7.0, colour)?;
                 let width = canvas.text_width(mark, LEGEND_LETTERS);
-                let place = label_place((x, y), width, frame, &marks);
+                let place = label_place(at, width, frame, &marks);
                 canvas.text(mark, place, LEGEND_LETTERS, Anchor::Left)?;
                 // Later labels must also avoid this label, so it is added as marks.
                 marks.extend([0.0, 0.5, 1.0].map(|part| (place.0 + part * width, place.1)));
@@ -264,29 +260,6 @@ fn draw_mark<DB: DrawingBackend>(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// The label of a mark at the right edge of both panels is drawn to the left of the mark.
-    #[test]
-    fn a_label_at_the_edge_is_drawn_within_its_panel() {
-        let setting =
-            |seconds, error| Setting { seconds, errors: [error, error, f64::NAN], mark: Some(format!("{seconds}")) };
-        let settings = vec![setting(0.101, 0.5), setting(9.9, 0.02)];
-        let methods = vec![Method { label: "auto".into(), is_foreign: false, settings }];
-        let folder = tempfile::tempdir().unwrap();
-        let out = folder.path().join("chart.svg");
-        draw(&Precision { title: "plate".into(), methods, floor: [f64::NAN; PANELS] }, &out).unwrap();
-        let svg = std::fs::read_to_string(&out).unwrap();
-        // Left edges of the labels in pixels; the SVG is drawn five times enlarged.
-        let left = svg
-            .split("<text x=\"")
-            .skip(1)
-            .filter(|text| text.contains("\n9.9\n"))
-            .map(|text| text.split('"').next().unwrap().parse::<f64>().unwrap() / 5.0);
-        let width = 0.5 * (RIGHT - LEFT - GAP);
-        // The width of three letters is about 1.6 times their height.
-        let ends: Vec<f64> = left.map(|left| left + 1.6 * LEGEND_LETTERS).collect();
-        assert!(ends.len() == 2 && ends[0] < LEFT + width && ends[1] < RIGHT, "{ends:?}");
-    }
 
     /// For marks at all corners and edges, no label crosses the frame or covers another mark if this can be avoided.
     #[test]

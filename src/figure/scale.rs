@@ -4,8 +4,8 @@ use super::axis::{Axis, exponential};
 
 /// An axis with given limits.
 pub(super) struct Scale {
-    low: f64,
-    high: f64,
+    pub low: f64,
+    pub high: f64,
     is_log: bool,
     /// Names of the values 0, 1, …; empty for an axis of numbers.
     names: Vec<String>,
@@ -27,6 +27,12 @@ impl Scale {
     /// Makes an axis with the limits `low` and `high`, which must be positive if the axis is logarithmic.
     pub fn new(low: f64, high: f64, is_log: bool) -> Self {
         Self { low, high, is_log, names: Vec::new() }
+    }
+
+    /// Makes a linear axis with rounded limits that enclose `low` and `high`.
+    pub fn spanning(low: f64, high: f64) -> Self {
+        let Axis { low, high, .. } = Axis::spanning(low, high);
+        Self::new(low, high, false)
     }
 
     /// Makes an axis of the values 0, 1, … with names.
@@ -58,6 +64,11 @@ impl Scale {
         } else {
             (value - self.low) / (self.high - self.low)
         }
+    }
+
+    /// Whether a value is within the limits.
+    pub fn holds(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
     }
 
     /// Relative position and label of each tick; minor ticks have no label.

@@ -4,8 +4,10 @@ use crate::error::Error;
 use crate::impact::step::Step;
 use crate::record::episodes::Episode;
 use crate::record::storage::write_text;
+use crate::scene::Vec3;
 use hdf5_metno as hdf5;
 use hdf5_metno::plist::dataset_create::FillTime;
+use ndarray::ArrayView2;
 use std::path::Path;
 
 /// Dataset: its path in the file, its unit, and the function that returns its value from a record.
@@ -63,20 +65,28 @@ pub(super) fn new_datasets<T>(
     columns: &[Column<T>],
     chunk: usize,
 ) -> hdf5::Result<Vec<hdf5::Dataset>> {
-    let new = |column: &Column<T>| {
-        let dataset = file
-            .new_dataset::<f64>()
-            .shape((0..,))
-            .chunk((chunk,))
-            // Without a chunk cache and a fill value, only new rows are written; the rest of a chunk is a hole in the
-            // file.
-            .chunk_cache(0, 0, 1.0)
-            .fill_time(FillTime::Never)
-            .create(column.path)?;
-        write_text(&dataset, "units", column.units)?;
-        Ok(dataset)
-    };
+    let new = |column: &Column<T>| new_rows::<f64>(file, column.path, column.units, None, chunk);
     columns.iter().map(new).collect()
+}
+
+/// Creates an empty dataset that is extensible by rows, of `columns` values each if given; `chunk` is the number of rows in a
+/// chunk.
+pub(super) fn new_rows<T: hdf5::H5Type>(
+    group: &hdf5::Group,
+    path: &str,
+    units: &str,
+    columns: Option<usize>,
+    chunk: usize,
+) -> hdf5::Result<hdf5::Dataset> {
+    let builder = group.new_dataset::<T>();
+    let builder = match columns {
+        None => builder.shape((0..,)).chunk((chunk,)),
+        Some(columns) => builder.shape((0.., columns)).chunk((chunk, columns)),
+    };
+    // Without a chunk cache and a fill value, only new rows are written; the rest of a chunk is a hole in the file.
+    let dataset = builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never).create(path)?;
+    write_text(&dataset, "units", units)?;
+    Ok(dataset)
 }
 
 /// Writes `records` to the rows from `first` on, and cuts the datasets after them.
@@ -86,13 +96,26 @@ pub(super) fn append<T>(
     first: usize,
     records: &[T],
 ) -> hdf5::Result<()> {
-    let end = first + records.len();
-    for (dataset, column) in datasets.iter().zip(columns) {
-        if dataset.size() != end {
-            dataset.resize((end,))?;
-        }
-        let values: Vec<f64> = records.iter().map(column.value).collect();
-        dataset.write_slice(&values, first..end)?;
+    let put = |(dataset, column): (&hdf5::Dataset, &Column<T>)| {
+        put(dataset, first, &records.iter().map(column.value).collect::<Vec<f64>>())
+    };
+    datasets.iter().zip(columns).try_for_each(put)
+}
+
+/// Writes numbers to the rows of a dataset from `first` on, and cuts it after them.
+pub(super) fn put<T: hdf5::H5Type>(dataset: &hdf5::Dataset, first: usize, values: &[T]) -> hdf5::Result<()> {
+    let end = first + values.len();
+    if dataset.size() != end {
+        dataset.resize((end,))?;
     }
-    Ok(())
+    dataset.write_slice(values, first..end)
+}
+
+/// The same for vectors, of a dataset with three columns.
+pub(super) fn put_vectors(dataset: &hdf5::Dataset, first: usize, values: &[Vec3]) -> hdf5::Result<()> {
+    let end = first + values.len();
+    if dataset.shape() != [end, 3] {
+        dataset.resize((end, 3))?;
+    }
+    dataset.write_slice(ArrayView2::from(values), (first..end, ..))
 }

@@ -22,6 +22,13 @@ pub struct Episode {
     pub impulse: f64,
 }
 
+impl Episode {
+    /// The episode of a row of the table of contacts.
+    pub(super) fn of_columns([start, end, peak_force, peak_time, impulse]: [f64; 5]) -> Self {
+        Self { start, end, peak_force, peak_time, impulse }
+    }
+}
+
 /// Contact episodes of a sequence of steps.
 #[derive(Debug, Clone, Default)]
 pub struct Episodes {
@@ -145,34 +152,12 @@ fn crossing(last: &Step, step: &Step) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::impact::step::{Contact, Energy, Motion};
+    use crate::impact::step::Contact;
     use std::f64::consts::PI;
 
     fn step(number: usize, time: f64, (indentation, rate): (f64, f64), force: f64) -> Step {
-        Step {
-            number,
-            time,
-            impactor: Motion { position: 0.0, velocity: 0.0, acceleration: 0.0 },
-            contact: Contact {
-                force,
-                indentation,
-                surface_displacement: 0.0,
-                approach: indentation,
-                rate,
-                impulse: 0.0,
-            },
-            energy: Energy {
-                kinetic: 0.0,
-                elastic: 0.0,
-                support: 0.0,
-                impactor: 0.0,
-                contact: 0.0,
-                dissipated: 0.0,
-                external: 0.0,
-                numerical: 0.0,
-                total: 0.0,
-            },
-        }
+        let contact = Contact { force, indentation, approach: indentation, rate, ..Contact::default() };
+        Step { number, time, contact, ..Step::default() }
     }
 
     /// Episodes of F = k ⟨α⟩ at the times n Δt, n = 0 … steps. `alpha` returns α and its rate at a time.

@@ -51,7 +51,7 @@ impl Folder {
             Ok(_) => return self.refuse(&format!("holds results of another scene, as {name} shows")),
             Err(_) => self.check_ours(results, are_ours)?,
         }
-        self.put(name, |path| fs::write(path, text).map_err(|e| Error::io(path, e)))
+        self.put_bytes(name, text)
     }
 
     fn refuse(&self, why: &str) -> Result<()> {
@@ -78,6 +78,14 @@ impl Folder {
         done
     }
 
+    /// Creates a file with this content, like [`Self::put`].
+    ///
+    /// # Errors
+    /// [`Error::Io`] if writing fails.
+    pub fn put_bytes(&self, name: impl AsRef<OsStr>, bytes: impl AsRef<[u8]>) -> Result<()> {
+        self.put(name, |path| fs::write(path, bytes).map_err(|e| Error::io(path, e)))
+    }
+
     fn part(&self, name: &OsStr) -> PathBuf {
         let mut part = OsString::from(format!(".{}.", std::process::id()));
         part.push(name);
@@ -94,7 +102,7 @@ mod tests {
         let above = tempfile::tempdir().unwrap();
         let path = above.path().join("a/b");
         let folder = Folder::create(&path).unwrap();
-        folder.put("x.csv", |part| fs::write(part, "first").map_err(|e| Error::io(part, e))).unwrap();
+        folder.put_bytes("x.csv", "first").unwrap();
         let failed = folder.put("x.csv", |part| {
             fs::write(part, "sec").unwrap();
             Err(Error::Output("full".into()))

@@ -1,17 +1,17 @@
 //! Datasets of probes, `/series/probe/<name>/…`, with three values in each row.
 
 use hdf5_metno as hdf5;
-use hdf5_metno::plist::dataset_create::FillTime;
 use ndarray::ArrayView2;
 
 use crate::impact::Probe;
+use crate::record::columns::{new_rows, put_vectors};
 use crate::record::storage::{self, write_text};
 use crate::scene::Vec3;
 
 /// Name, unit and value of one quantity of a probe.
 type Column = (&'static str, &'static str, fn(&Probe) -> Vec3);
 
-/// Quantities of a probe, in the order of [`FIELDS_OF_PROBE`] and [`ProbeHistory`].
+/// Quantities of a probe, in the order of [`ProbeHistory`].
 const COLUMNS: [Column; 3] = [
     ("displacement", "m", |probe| probe.displacement),
     ("velocity", "m/s", |probe| probe.velocity),
@@ -20,17 +20,16 @@ const COLUMNS: [Column; 3] = [
 
 /// First `rows` rows of the probes `names` of a result: for each row the values of every probe.
 pub(super) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<Probe>>> {
-    let mut all = vec![vec![Probe::default(); names.len()]; rows];
-    for (number, name) in names.iter().enumerate() {
-        for (column, put) in COLUMNS.iter().zip(FIELDS_OF_PROBE) {
-            let dataset = format!("series/probe/{name}/{}", column.0);
-            let values = storage::read::<f64>(file, &dataset)?;
-            if values.len() < 3 * rows {
-                return Err(format!("/{dataset} has {} rows, and its checkpoint {rows}", values.len() / 3).into());
-            }
-            for (row, x) in all.iter_mut().zip(values.chunks_exact(3)) {
-                *put(&mut row[number]) = [x[0], x[1], x[2]];
-            }
+    let mut all = vec![Vec::with_capacity(names.len()); rows];
+    for name in names {
+        let whole = read(file, "series", name)?;
+        if let Some(short) = whole.iter().find(|values| values.len() < 3 * rows) {
+            return Err(format!("/series/probe/{name} has {} rows, and its checkpoint {rows}", short.len() / 3).into());
+        }
+        let [displacement, velocity, principal_stress] = whole.each_ref().map(|values| values.as_chunks().0);
+        for (n, row) in all.iter_mut().enumerate() {
+            let [displacement, velocity, principal_stress] = [displacement[n], velocity[n], principal_stress[n]];
+            row.push(Probe { displacement, velocity, principal_stress });
         }
     }
     Ok(all)
@@ -62,10 +61,6 @@ pub(super) fn read(file: &hdf5::File, parent: &str, name: &str) -> hdf5::Result<
     Ok([displacement?, velocity?, stress?])
 }
 
-/// Field of [`Probe`] that receives each of [`COLUMNS`].
-const FIELDS_OF_PROBE: [fn(&mut Probe) -> &mut Vec3; 3] =
-    [|probe| &mut probe.displacement, |probe| &mut probe.velocity, |probe| &mut probe.principal_stress];
-
 /// Datasets of all probes, in the order of the scene.
 pub(super) struct ProbeDatasets(Vec<[hdf5::Dataset; 3]>);
 
@@ -74,16 +69,7 @@ impl ProbeDatasets {
     pub fn new(file: &hdf5::File, names: &[String], chunk: usize) -> hdf5::Result<Self> {
         let new = |name: &String| {
             let [a, b, c] = COLUMNS.map(|(column, units, _)| {
-                let dataset = file
-                    .new_dataset::<f64>()
-                    .shape((0.., 3))
-                    .chunk((chunk, 3))
-                    // As for the series: only new rows are written; the rest of a chunk is a hole in the file.
-                    .chunk_cache(0, 0, 1.0)
-                    .fill_time(FillTime::Never)
-                    .create(format!("series/probe/{name}/{column}").as_str())?;
-                write_text(&dataset, "units", units)?;
-                Ok::<_, hdf5::Error>(dataset)
+                new_rows::<f64>(file, &format!("series/probe/{name}/{column}"), units, Some(3), chunk)
             });
             Ok([a?, b?, c?])
         };
@@ -92,14 +78,10 @@ impl ProbeDatasets {
 
     /// Writes rows, each with the values of every probe, from the row `first` on, and cuts the datasets after them.
     pub fn append(&self, first: usize, rows: &[impl AsRef<[Probe]>]) -> hdf5::Result<()> {
-        let end = first + rows.len();
         for (number, datasets) in self.0.iter().enumerate() {
             for (dataset, (_, _, value)) in datasets.iter().zip(COLUMNS) {
-                if dataset.shape() != [end, 3] {
-                    dataset.resize((end, 3))?;
-                }
                 let values: Vec<Vec3> = rows.iter().map(|row| value(&row.as_ref()[number])).collect();
-                dataset.write_slice(ArrayView2::from(&values[..]), (first..end, ..))?;
+                put_vectors(dataset, first, &values)?;
             }
         }
         Ok(())

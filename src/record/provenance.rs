@@ -6,22 +6,18 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use hdf5_metno::{Group, Location, Result};
+use serde::Serialize;
 
 use super::storage::{long_text, text, update_text, write_long_text, write_scalar, write_text, write_text_with_room};
 
-/// Data needed to identify and to repeat the run that made a result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Provenance {
-    /// Identifies the run; random. A continued run keeps it.
-    pub run_id: u64,
+/// Scene and program from which a result was computed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Origin {
     /// Title of the scene.
     pub title: String,
-    /// Full text of the scene.
+    /// Full text of the scene; that of a sweep is without the values of the members.
+    #[serde(skip)]
     pub scene: String,
-    /// Folder to which the path of the scene's mesh file is relative.
-    pub folder: String,
-    /// Digest of the mesh file; `None` if the scene has none.
-    pub mesh_digest: Option<String>,
     /// Version of the program.
     pub version: String,
     /// Git commit of the program.
@@ -32,20 +28,67 @@ pub struct Provenance {
     pub petsc_options: String,
     /// Number of MPI ranks.
     pub ranks: usize,
+}
+
+impl Origin {
+    fn texts(&mut self) -> [(&'static str, &mut String); 5] {
+        [
+            ("title", &mut self.title),
+            ("version", &mut self.version),
+            ("commit", &mut self.commit),
+            ("petsc_version", &mut self.petsc_version),
+            ("petsc_options", &mut self.petsc_options),
+        ]
+    }
+
+    pub(super) fn write(&self, root: &Group) -> Result<()> {
+        self.clone().texts().into_iter().try_for_each(|(name, text)| write_text(root, name, text))?;
+        write_long_text(root, "scene", &self.scene)?;
+        write_scalar(root, "ranks", self.ranks as u64)
+    }
+
+    pub(super) fn read(root: &Group) -> Result<Self> {
+        let mut origin = Self { scene: long_text(root, "scene")?, ranks: count(root, "ranks")?, ..Self::default() };
+        for (name, value) in origin.texts() {
+            *value = text(root, name)?;
+        }
+        Ok(origin)
+    }
+}
+
+/// Data needed to identify and to repeat the run that made a result. For programs, the parts that `ricochet info` prints.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Provenance {
+    /// Identifies the run; random. A continued run keeps it.
+    #[serde(skip)]
+    pub run_id: u64,
+    /// Scene and program.
+    #[serde(flatten)]
+    pub origin: Origin,
+    /// Folder to which the path of the scene's mesh file is relative.
+    #[serde(skip)]
+    pub folder: String,
+    /// Digest of the mesh file; `None` if the scene has none.
+    #[serde(skip)]
+    pub mesh_digest: Option<String>,
     /// Theory of the body: `solid`, `kirchhoff`, …
     pub model: String,
     /// Further details of the model; `None` for results of earlier versions.
+    #[serde(skip)]
     pub model_details: Option<ModelDetails>,
     /// Reduction of the body: `none`, or the number and kind of the basis vectors.
     pub reduction: String,
     /// Number of unknowns, including the impactor's.
     pub unknowns: usize,
     /// Mass m0 of the impactor, with which impulses are computed, kg.
+    #[serde(skip)]
     pub impactor_mass: f64,
     /// Number of rows that the run will record if the time steps are fixed. It determines the chunk size of the series,
     /// so that a run with this number of rows never has to enlarge the file.
+    #[serde(skip)]
     pub planned_rows: Option<usize>,
     /// Warnings and notes of the run, each in a line; complete at the end of the run.
+    #[serde(skip)]
     pub warnings: String,
 }
 
@@ -92,94 +135,86 @@ const WARNINGS: &str = "warnings";
 /// Bytes kept for them from the beginning, so that nothing in the file moves at the end.
 const ROOM_OF_WARNINGS: usize = 16_000;
 
-/// Name of the attribute with the estimated error of the deflection.
-const DEFLECTION_ERROR: &str = "deflection_error_estimate";
-
 /// Cost and estimated error of a run: attributes of the root, created with the file and set at the end.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
-    /// Wall time to choose the theory, read or make the mesh, and assemble the body and its basis, s.
-    pub model: f64,
-    /// Wall time of preparations before the first step, such as factorisations, s.
-    pub setup: f64,
-    /// Wall time of all steps, s.
-    pub steps: f64,
-    /// Total wall time, s.
-    pub total: f64,
-    /// Newton iterations of all steps.
-    pub newton_iterations: usize,
-    /// Number of steps solved, including the rejected ones and the ones for the error estimate.
-    pub solves: usize,
     /// Estimated error of the acceleration history divided by its peak; NaN if there is no estimate.
     pub error_estimate: f64,
     /// Estimated error of the deflection under the impactor divided by its largest value; NaN if there is no estimate.
     pub deflection_error_estimate: f64,
+    /// Total wall time, s; NaN if the run has not ended.
+    #[serde(rename = "wall_time")]
+    pub total: f64,
+    /// Wall time to choose the theory, read or make the mesh, and assemble the body and its basis, s.
+    #[serde(rename = "wall_time_model")]
+    pub model: f64,
+    /// Wall time of preparations before the first step, such as factorisations, s.
+    #[serde(rename = "wall_time_setup")]
+    pub setup: f64,
+    /// Wall time of all steps, s.
+    #[serde(rename = "wall_time_steps")]
+    pub steps: f64,
+    /// Number of steps solved, including the rejected ones and the ones for the error estimate.
+    pub solves: usize,
+    /// Newton iterations of all steps.
+    pub newton_iterations: usize,
 }
 
 impl Cost {
     /// Values before the end of the run.
     pub(super) const UNKNOWN: Self = Self {
+        error_estimate: f64::NAN,
+        deflection_error_estimate: f64::NAN,
+        total: f64::NAN,
         model: f64::NAN,
         setup: f64::NAN,
         steps: f64::NAN,
-        total: f64::NAN,
-        newton_iterations: 0,
         solves: 0,
-        error_estimate: f64::NAN,
-        deflection_error_estimate: f64::NAN,
+        newton_iterations: 0,
     };
 
-    fn numbers(&self) -> [(&'static str, f64); 6] {
+    fn numbers(&mut self) -> [(&'static str, &mut f64); 6] {
         [
-            ("wall_time_model", self.model),
-            ("wall_time_setup", self.setup),
-            ("wall_time_steps", self.steps),
-            ("wall_time_total", self.total),
-            ("error_estimate", self.error_estimate),
-            (DEFLECTION_ERROR, self.deflection_error_estimate),
+            ("wall_time_model", &mut self.model),
+            ("wall_time_setup", &mut self.setup),
+            ("wall_time_steps", &mut self.steps),
+            ("wall_time_total", &mut self.total),
+            ("error_estimate", &mut self.error_estimate),
+            ("deflection_error_estimate", &mut self.deflection_error_estimate),
         ]
     }
 
-    fn counts(&self) -> [(&'static str, u64); 2] {
-        [("newton_iterations", self.newton_iterations as u64), ("solves", self.solves as u64)]
+    fn counts(&mut self) -> [(&'static str, &mut usize); 2] {
+        [("newton_iterations", &mut self.newton_iterations), ("solves", &mut self.solves)]
     }
 
-    pub(super) fn write(&self, root: &Location) -> Result<()> {
-        for (name, number) in self.numbers() {
-            write_scalar(root, name, number)?;
-        }
-        for (name, count) in self.counts() {
-            write_scalar(root, name, count)?;
-        }
-        Ok(())
+    pub(super) fn write(mut self, root: &Location) -> Result<()> {
+        self.numbers().into_iter().try_for_each(|(name, number)| write_scalar(root, name, *number))?;
+        self.counts().into_iter().try_for_each(|(name, count)| write_scalar(root, name, *count as u64))
     }
 
     /// Reads the attributes written by [`Self::write`].
     pub(super) fn read(root: &Location) -> Result<Self> {
-        let number = |name: &str| root.attr(name)?.read_scalar::<f64>();
-        let count = |name: &str| root.attr(name)?.read_scalar::<u64>().map(|count| count as usize);
-        Ok(Self {
-            model: number("wall_time_model")?,
-            setup: number("wall_time_setup")?,
-            steps: number("wall_time_steps")?,
-            total: number("wall_time_total")?,
-            newton_iterations: count("newton_iterations")?,
-            solves: count("solves")?,
-            error_estimate: number("error_estimate")?,
-            deflection_error_estimate: number(DEFLECTION_ERROR)?,
-        })
+        let mut cost = Self::UNKNOWN;
+        for (name, number) in cost.numbers() {
+            *number = root.attr(name)?.read_scalar()?;
+        }
+        for (name, number) in cost.counts() {
+            *number = count(root, name)?;
+        }
+        Ok(cost)
     }
 
     /// Overwrites the attributes in place, so that nothing in the file moves.
-    pub(super) fn update(&self, root: &Location) -> Result<()> {
-        for (name, number) in self.numbers() {
-            root.attr(name)?.write_scalar(&number)?;
-        }
-        for (name, count) in self.counts() {
-            root.attr(name)?.write_scalar(&count)?;
-        }
-        Ok(())
+    pub(super) fn update(mut self, root: &Location) -> Result<()> {
+        self.numbers().into_iter().try_for_each(|(name, number)| root.attr(name)?.write_scalar(number))?;
+        self.counts().into_iter().try_for_each(|(name, count)| root.attr(name)?.write_scalar(&(*count as u64)))
     }
+}
+
+/// Reads an attribute with a count.
+fn count(root: &Location, name: &str) -> Result<usize> {
+    root.attr(name)?.read_scalar::<u64>().map(|count| count as usize)
 }
 
 /// New random `run_id`. Two runs have the same id with a probability of 2⁻⁶⁴.
@@ -191,19 +226,10 @@ pub fn new_run_id() -> u64 {
 impl Provenance {
     /// Writes one attribute of `root` for each field; a field that is `None` is left out.
     pub(super) fn write(&self, root: &Group) -> Result<()> {
-        for (name, text) in [
-            ("title", &self.title),
-            ("folder", &self.folder),
-            ("version", &self.version),
-            ("commit", &self.commit),
-            ("petsc_version", &self.petsc_version),
-            ("petsc_options", &self.petsc_options),
-            ("model", &self.model),
-            ("reduction", &self.reduction),
-        ] {
+        self.origin.write(root)?;
+        for (name, text) in [("folder", &self.folder), ("model", &self.model), ("reduction", &self.reduction)] {
             write_text(root, name, text)?;
         }
-        write_long_text(root, "scene", &self.scene)?;
         write_text_with_room(root, WARNINGS, &self.warnings, ROOM_OF_WARNINGS)?;
         if let Some(digest) = &self.mesh_digest {
             write_text(root, "mesh_digest", digest)?;
@@ -212,37 +238,25 @@ impl Provenance {
             details.write(root)?;
         }
         write_scalar(root, "run_id", self.run_id)?;
-        write_scalar(root, "ranks", self.ranks as u64)?;
         write_scalar(root, "unknowns", self.unknowns as u64)?;
         write_scalar(root, "impactor_mass", self.impactor_mass)?;
-        if let Some(rows) = self.planned_rows {
-            write_scalar(root, "planned_rows", rows as u64)?;
-        }
-        Ok(())
+        self.planned_rows.map_or(Ok(()), |rows| write_scalar(root, "planned_rows", rows as u64))
     }
 
     /// Reads the attributes written by [`Self::write`].
     pub(super) fn read(root: &Group) -> Result<Self> {
-        let words = |name: &str| text(root, name);
-        let count = |name: &str| root.attr(name)?.read_scalar::<u64>().map(|count| count as usize);
         Ok(Self {
             run_id: root.attr("run_id")?.read_scalar()?,
-            title: words("title")?,
-            scene: long_text(root, "scene")?,
-            folder: words("folder")?,
-            mesh_digest: words("mesh_digest").ok(),
-            version: words("version")?,
-            commit: words("commit")?,
-            petsc_version: words("petsc_version")?,
-            petsc_options: words("petsc_options")?,
-            ranks: count("ranks")?,
-            model: words("model")?,
+            origin: Origin::read(root)?,
+            folder: text(root, "folder")?,
+            mesh_digest: text(root, "mesh_digest").ok(),
+            model: text(root, "model")?,
             model_details: ModelDetails::read(root).ok(),
-            reduction: words("reduction")?,
-            unknowns: count("unknowns")?,
+            reduction: text(root, "reduction")?,
+            unknowns: count(root, "unknowns")?,
             impactor_mass: root.attr("impactor_mass")?.read_scalar()?,
-            planned_rows: count("planned_rows").ok(),
-            warnings: words(WARNINGS)?,
+            planned_rows: count(root, "planned_rows").ok(),
+            warnings: text(root, WARNINGS)?,
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::record::columns::SERIES;
+use crate::record::episodes::Episode;
 use crate::record::read::{check_run, column, contacts, not_result, open};
 use crate::record::storage::{self, text};
 use crate::record::stress::{STRESS_MAP, order};
@@ -21,8 +22,8 @@ pub struct Quantity {
     pub time: Vec<f64>,
     /// Components; one for a scalar.
     pub parts: Vec<Component>,
-    /// Start and end of each contact episode, s.
-    pub contacts: Vec<(f64, f64)>,
+    /// Contact episodes.
+    pub contacts: Vec<Episode>,
 }
 
 /// Component of a quantity.
@@ -142,26 +143,22 @@ fn component(dataset: &str, column: usize) -> String {
 /// Names of the quantities available in a result.
 fn there(file: &hdf5::File) -> Vec<String> {
     let is_there = |dataset: &str| series_dataset(file, dataset).is_some();
-    let mut there: Vec<String> =
-        NAMES.iter().filter(|named| is_there(named.dataset)).map(|named| named.name.to_owned()).collect();
+    let members = |group: &str| file.group(group).and_then(|group| group.member_names()).unwrap_or_default();
+    let known = NAMES.iter().filter(|named| is_there(named.dataset)).map(|named| named.name.to_owned());
     let energies = SERIES.iter().filter_map(|column| column.path.strip_prefix("series/energy/"));
     let energies: Vec<String> = energies.map(|part| format!("{ENERGY}/{part}")).filter(|name| is_there(name)).collect();
-    if !energies.is_empty() {
-        there.push(ENERGY.to_owned());
-    }
-    there.extend(energies);
-    let faces = file.group("series/stress").and_then(|group| group.member_names()).unwrap_or_default();
-    if faces.iter().any(|face| face != "ring") {
-        there.push(STRESS.to_owned());
-    }
-    let of_face = |face: &String| if face == "ring" { face.clone() } else { format!("{face}/largest") };
-    there.extend(faces.iter().map(|face| format!("{STRESS}/{}", of_face(face))));
-    there.extend(file.group(STRESS_MAP).is_ok().then(|| STRESS_MAP.to_owned()));
-    let probes = file.group("series/probe").and_then(|group| group.member_names()).unwrap_or_default();
-    for probe in probes {
-        let group = file.group(&format!("series/probe/{probe}"));
-        let datasets = group.and_then(|group| group.member_names()).unwrap_or_default();
-        there.extend(datasets.into_iter().map(|dataset| format!("probe/{probe}/{dataset}")));
-    }
-    there
+    let all_energies = (!energies.is_empty()).then(|| ENERGY.to_owned());
+    let faces = members("series/stress");
+    let of_faces = faces.iter().map(|face| match face.as_str() {
+        "ring" => format!("{STRESS}/ring"),
+        face => format!("{STRESS}/{face}/largest"),
+    });
+    let all_faces = faces.iter().any(|face| face != "ring").then(|| STRESS.to_owned());
+    let map = file.group(STRESS_MAP).is_ok().then(|| STRESS_MAP.to_owned());
+    let of_probe = |probe: String| {
+        let datasets = members(&format!("series/probe/{probe}")).into_iter();
+        datasets.map(move |dataset| format!("probe/{probe}/{dataset}"))
+    };
+    let of_probes = members("series/probe").into_iter().flat_map(of_probe);
+    known.chain(all_energies).chain(energies).chain(all_faces).chain(of_faces).chain(map).chain(of_probes).collect()
 }

@@ -3,31 +3,18 @@
 use crate::error::{Error, Result};
 use crate::impact::Probe;
 use crate::impact::step::Step;
-use crate::record::columns::{Column, SERIES};
+use crate::record::columns::{CONTACTS, Column, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
 use crate::record::provenance::{Cost, Provenance};
-use crate::record::storage::{self, text};
+use crate::record::quantity::{Quantity, quantity};
+use crate::record::series::Points;
+use crate::record::storage;
 use crate::record::stress::{self, EarlierTensions};
 use crate::record::sweep::is_one as is_sweep;
 use crate::record::target::is_locked;
 use hdf5_metno as hdf5;
 use std::path::Path;
-
-/// Acceleration history of a result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct History {
-    /// Title of the scene; may be empty.
-    pub title: String,
-    /// Time of each row, s.
-    pub time: Vec<f64>,
-    /// Deceleration F/m0 of the impactor at each row, m/s².
-    pub acceleration: Vec<f64>,
-    /// Start and end of each contact episode, s.
-    pub contacts: Vec<(f64, f64)>,
-    /// Impulse ∫ F dt of each contact episode, N s.
-    pub impulses: Vec<f64>,
-}
 
 /// Provenance of a result.
 ///
@@ -48,47 +35,46 @@ pub fn origin(path: &Path) -> Result<(Provenance, Cost, bool)> {
     read().map_err(|e: hdf5::Error| Error::io(path, format!("is not a result of this version of ricochet: {e}")))
 }
 
-/// First `rows` rows of every column of the series of the result `path`.
-///
-/// # Errors
-/// [`Error::Io`] if the file cannot be opened, a column is missing, or there are fewer rows.
-pub fn rows(path: &Path, rows: usize) -> Result<Vec<Vec<f64>>> {
-    let file = open(path)?;
-    let of_column = |column: &Column<Step>| {
-        let read = storage::read::<f64>(&file, column.path);
-        let mut values = read.map_err(|e| Error::io(path, format!("/{} cannot be read ({e})", column.path)))?;
-        if values.len() < rows {
-            let reason = format!("/{} has {} rows, and its checkpoint {rows}", column.path, values.len());
-            return Err(Error::io(path, reason));
-        }
-        values.truncate(rows);
-        Ok(values)
-    };
-    SERIES.iter().map(of_column).collect()
+/// First rows of a result, by kind: all with the same number of rows.
+#[derive(Debug, Default)]
+pub struct Rows {
+    /// Columns of the series in the order of `SERIES`.
+    pub columns: Vec<Vec<f64>>,
+    /// Values of every probe, for each row.
+    pub probes: Vec<Vec<Probe>>,
+    /// Largest tensions on the faces, and the tension at the edge of the contact, for each row.
+    pub tensions: EarlierTensions,
 }
 
-/// First `rows` rows of the probes `names` of the result `path`: for each row the values of every probe.
-///
-/// # Errors
-/// Same as [`rows`].
-pub fn probes(path: &Path, names: &[String], rows: usize) -> Result<Vec<Vec<Probe>>> {
-    probes::rows(&open(path)?, names, rows).map_err(|e| Error::io(path, format!("its probes cannot be read: {e}")))
-}
-
-/// First `rows` rows of a result: the largest tension on each of the faces `names`, and the tension at the edge of the
-/// contact if it is recorded. Missing rows of the latter are NaN.
-///
-/// # Errors
-/// [`Error::Io`] if the file cannot be opened, or if the datasets of the faces are missing or have fewer rows.
-pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<EarlierTensions> {
-    let file = open(path)?;
-    let wrong = |e: hdf5::Error| Error::io(path, format!("its stresses cannot be read: {e}"));
-    let ring = storage::read::<f64>(&file, "series/stress/ring").ok();
-    let ring = ring.map(|mut ring| {
-        ring.resize(rows, f64::NAN);
-        ring
-    });
-    Ok(EarlierTensions { faces: stress::rows(&file, names, rows).map_err(wrong)?, ring })
+impl Rows {
+    /// First `rows` rows of the result `path`, with those of its `points`. The tension at the edge of the contact is read if it
+    /// is recorded; missing rows of it are NaN.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be opened, or if a dataset is missing or has fewer rows.
+    pub fn read(path: &Path, points: &Points, rows: usize) -> Result<Self> {
+        let file = open(path)?;
+        let of_column = |column: &Column<Step>| {
+            let read = storage::read::<f64>(&file, column.path);
+            let mut values = read.map_err(|e| Error::io(path, format!("/{} cannot be read ({e})", column.path)))?;
+            if values.len() < rows {
+                let reason = format!("/{} has {} rows, and its checkpoint {rows}", column.path, values.len());
+                return Err(Error::io(path, reason));
+            }
+            values.truncate(rows);
+            Ok(values)
+        };
+        let wrong =
+            |what: &'static str| move |e: hdf5::Error| Error::io(path, format!("its {what} cannot be read: {e}"));
+        let mut ring = storage::read::<f64>(&file, "series/stress/ring").ok();
+        ring.iter_mut().for_each(|ring| ring.resize(rows, f64::NAN));
+        let faces = stress::rows(&file, &points.faces.names, rows).map_err(wrong("stresses"))?;
+        Ok(Self {
+            columns: SERIES.iter().map(of_column).collect::<Result<_>>()?,
+            probes: probes::rows(&file, &points.probes, rows).map_err(wrong("probes"))?,
+            tensions: EarlierTensions { faces, ring },
+        })
+    }
 }
 
 /// Reads the acceleration history of the result `path`. After a kill, the lengths of the datasets may differ by the
@@ -96,18 +82,11 @@ pub fn tensions(path: &Path, names: &[String], rows: usize) -> Result<EarlierTen
 ///
 /// # Errors
 /// [`Error::Io`], which says whether the file is missing, not HDF5, still being written, or not a result of ricochet.
-pub fn history(path: &Path) -> Result<History> {
-    let file = open(path)?;
-    check_run(&file, path)?;
-    let mut time = column(&file, path, "series/time")?;
-    let mut acceleration = column(&file, path, "series/impactor/acceleration")?;
-    let rows = time.len().min(acceleration.len());
-    time.truncate(rows);
-    acceleration.truncate(rows);
-    let contacts = contacts(&file, path)?;
-    let impulses = column(&file, path, "contacts/impulse")?;
-    let title = text(&file, "title").map_err(|_| not_result(path, "it has no title"))?;
-    Ok(History { title, time, acceleration, contacts, impulses })
+pub fn history(path: &Path) -> Result<Quantity> {
+    quantity(path, "acceleration").map_err(|error| match error {
+        Error::Usage(_) => not_result(path, "it has no acceleration"),
+        other => other,
+    })
 }
 
 /// Contact episodes of a result.
@@ -126,25 +105,15 @@ pub struct Contacts {
 pub fn episodes(path: &Path) -> Result<Contacts> {
     let file = open(path)?;
     check_run(&file, path)?;
-    let of = |name: &str| column(&file, path, &format!("contacts/{name}"));
-    let (start, end, impulse) = (of("start")?, of("end")?, of("impulse")?);
-    let (peak_force, peak_time) = (of("peak_force")?, of("peak_time")?);
-    let count = [&end, &impulse, &peak_force, &peak_time].iter().fold(start.len(), |count, of| count.min(of.len()));
-    let episode = |n: usize| Episode {
-        start: start[n],
-        end: end[n],
-        peak_force: peak_force[n],
-        peak_time: peak_time[n],
-        impulse: impulse[n],
-    };
     let open_at_end = file.group("contacts").and_then(|group| group.attr("open_at_end")?.read_scalar::<bool>());
-    Ok(Contacts { episodes: (0..count).map(episode).collect(), is_open: open_at_end.unwrap_or_default() })
+    Ok(Contacts { episodes: contacts(&file, path)?, is_open: open_at_end.unwrap_or_default() })
 }
 
-/// Start and end of each contact episode of a result, s.
-pub(super) fn contacts(file: &hdf5::File, path: &Path) -> Result<Vec<(f64, f64)>> {
-    let (start, end) = (column(file, path, "contacts/start")?, column(file, path, "contacts/end")?);
-    Ok(start.into_iter().zip(end).collect())
+/// Contact episodes of a result. After a kill, only those that are in all datasets.
+pub(super) fn contacts(file: &hdf5::File, path: &Path) -> Result<Vec<Episode>> {
+    let columns = CONTACTS.iter().map(|of| column(file, path, of.path)).collect::<Result<Vec<_>>>()?;
+    let count = columns.iter().map(Vec::len).min().unwrap_or_default();
+    Ok((0..count).map(|n| Episode::of_columns(std::array::from_fn(|column| columns[column][n]))).collect())
 }
 
 /// Values of a one-dimensional dataset of a result.

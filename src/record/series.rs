@@ -9,16 +9,17 @@
 //! first chunk (a kill then loses only the contacts), and the flush in which a series outgrows its chunk.
 
 use crate::error::{Error, Result};
+use crate::impact::Reading;
 use crate::impact::step::Step;
-use crate::impact::{Probe, Reading};
 use crate::record::checkpoint;
-use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written};
+use crate::record::columns::{CONTACTS, SERIES, append, new_datasets, not_written, put};
 use crate::record::episodes::Episodes;
 use crate::record::fields;
 use crate::record::probes::ProbeDatasets;
 use crate::record::provenance::{Cost, Provenance, update_warnings};
+use crate::record::read::Rows;
 use crate::record::storage::{self, write_scalar};
-use crate::record::stress::{EarlierTensions, Faces, LargestTension, MapDatasets, TensionDatasets, rings};
+use crate::record::stress::{EarlierTensions, Faces, LargestTension, MapDatasets, TensionDatasets};
 use crate::record::target;
 use crate::space::evaluate::TensionMap;
 use hdf5_metno as hdf5;
@@ -45,22 +46,12 @@ pub struct Earlier {
     pub result: PathBuf,
     /// `run_id` of the result.
     pub run_id: u64,
-    /// Columns of the series in the order of `SERIES`, all with the same number of rows.
-    pub columns: Vec<Vec<f64>>,
-    /// Values of every probe, for each row.
-    pub probes: Vec<Vec<Probe>>,
-    /// Largest tensions on the faces, and the tension at the edge of the contact, for each row.
-    pub tensions: EarlierTensions,
+    /// Rows of the result so far.
+    pub rows: Rows,
     /// Largest tension so far at each point of the faces.
     pub map: TensionMap,
     /// Contact episodes so far.
     pub episodes: Episodes,
-}
-
-impl Earlier {
-    fn rows(&self) -> usize {
-        self.columns.first().map_or(0, Vec::len)
-    }
 }
 
 /// Probes and faces that are read at each step, in addition to the surface under the impactor.
@@ -72,19 +63,24 @@ pub struct Points {
     pub faces: Faces,
 }
 
+/// Open file of a run, with the datasets that are written step by step.
+struct Datasets {
+    file: hdf5::File,
+    series: Vec<hdf5::Dataset>,
+    contacts: Vec<hdf5::Dataset>,
+    probes: ProbeDatasets,
+    tensions: TensionDatasets,
+    map: MapDatasets,
+}
+
 /// Writes the series and the contacts of one run to a file. Only one process (rank 0) has a writer.
 pub struct SeriesWriter {
     path: PathBuf,
     run_id: u64,
     /// Temporary name of the file until the first row is on the disk, then `None`.
     part: Option<PathBuf>,
-    file: hdf5::File,
-    series: Vec<hdf5::Dataset>,
-    contacts: Vec<hdf5::Dataset>,
-    probes: ProbeDatasets,
+    datasets: Datasets,
     faces: Faces,
-    tensions: TensionDatasets,
-    map_datasets: MapDatasets,
     /// Largest tension of all steps so far at each point, and whether it changed since the last write.
     map: TensionMap,
     map_is_new: bool,
@@ -107,41 +103,23 @@ pub struct SeriesWriter {
 }
 
 impl SeriesWriter {
-    /// Creates the result `path` of a run described by `provenance`.
+    /// Creates the result `path` of a run described by `provenance`, with datasets for the values at `points`.
     ///
     /// An older result at `path` is replaced, and its checkpoint removed, when the first step has been written. If no
     /// step is written, both remain as they are.
     ///
     /// # Errors
     /// [`Error::Io`] as for [`target::check_writable`], or if writing fails.
-    pub fn create(path: &Path, provenance: &Provenance) -> Result<Self> {
-        Self::with_points(path, provenance, &Points::default())
-    }
-
-    /// Like [`Self::create`], with datasets for the values at probes and on faces.
-    ///
-    /// # Errors
-    /// Same as [`Self::create`].
-    pub fn with_points(path: &Path, provenance: &Provenance, points: &Points) -> Result<Self> {
+    pub fn create(path: &Path, provenance: &Provenance, points: &Points) -> Result<Self> {
         target::check_writable(path, target::Kind::Run)?;
-        let part = target::part(&target::resolved(path))?;
-        let begun = begin(&part, provenance, points);
-        if begun.is_err() {
-            // The present error says more than an error of the removal.
-            let _ = fs::remove_file(&part);
-        }
-        let Begun { file, series, contacts, probes, tensions, map } = begun.map_err(|e| not_written(path, &e))?;
+        let begin = |part: &Path| begin(part, provenance, points).map_err(|e| not_written(path, &e));
+        let (part, datasets) = target::write_part(&target::resolved(path), begin)?;
         Ok(Self {
             path: path.to_owned(),
             run_id: provenance.run_id,
             part: Some(part),
-            file,
-            series,
-            contacts,
-            probes,
+            datasets,
             faces: points.faces.clone(),
-            tensions,
-            map_datasets: map,
             map: TensionMap::default(),
             map_is_new: false,
             largest: LargestTension::default(),
@@ -164,17 +142,16 @@ impl SeriesWriter {
     /// Same as [`Self::create`].
     pub fn continued(path: &Path, provenance: &Provenance, points: &Points, earlier: Earlier) -> Result<Self> {
         let provenance = Provenance { run_id: earlier.run_id, ..provenance.clone() };
-        let mut writer = Self::with_points(path, &provenance, points)?;
+        let mut writer = Self::create(path, &provenance, points)?;
         writer.goes_on = target::is_same(path, &earlier.result);
-        let rows = earlier.rows();
+        let Rows { columns, probes, tensions } = &earlier.rows;
+        let rows = columns.first().map_or(0, Vec::len);
         let copy = || {
-            for (dataset, values) in writer.series.iter().zip(&earlier.columns) {
-                dataset.resize((rows,))?;
-                dataset.write_slice(values, 0..rows)?;
-            }
-            let EarlierTensions { faces, ring } = &earlier.tensions;
-            writer.tensions.append(0, faces, ring.as_deref().unwrap_or_default())?;
-            writer.probes.append(0, &earlier.probes)
+            let mut series = writer.datasets.series.iter().zip(columns);
+            series.try_for_each(|(dataset, values)| put(dataset, 0, values))?;
+            let EarlierTensions { faces, ring } = tensions;
+            writer.datasets.tensions.append(0, faces, ring.as_deref().unwrap_or_default())?;
+            writer.datasets.probes.append(0, probes)
         };
         copy().map_err(|e| not_written(path, &e))?;
         (writer.rows_written, writer.episodes) = (rows, earlier.episodes);
@@ -217,20 +194,12 @@ impl SeriesWriter {
         self
     }
 
-    /// Records the next accepted step. The first one is on the disk when this returns; later ones follow about once a
+    /// Records the next accepted step, with the values of the body at the step. The first one is on the disk when this returns; later ones follow about once a
     /// second of wall time.
     ///
     /// # Errors
     /// [`Error::Io`] if writing fails; the rows remain in the buffer.
-    pub fn push(&mut self, step: &Step) -> Result<()> {
-        self.push_read(step, &Reading::default())
-    }
-
-    /// Like [`Self::push`], with the values of the body at the step.
-    ///
-    /// # Errors
-    /// Same as [`Self::push`].
-    pub fn push_read(&mut self, step: &Step, reading: &Reading) -> Result<()> {
+    pub fn push(&mut self, step: &Step, reading: &Reading) -> Result<()> {
         self.episodes.push(step);
         if !reading.map.tension.is_empty() {
             self.map.take(&reading.map);
@@ -281,7 +250,7 @@ impl SeriesWriter {
     pub fn link_fields(&self) -> Result<()> {
         let [fields, _] = fields::paths(&self.path);
         let name = fields.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let link = |as_name: &str| self.file.link_external(&name, fields::GROUP, as_name);
+        let link = |as_name: &str| self.datasets.file.link_external(&name, fields::GROUP, as_name);
         link("fields").and_then(|()| link(fields::GROUP)).map_err(|e| not_written(&self.path, &e))
     }
 
@@ -320,11 +289,12 @@ impl SeriesWriter {
         }
         self.write().map_err(|e| not_written(&self.path, &e))?;
         let mark = || {
-            cost.update(&self.file)?;
-            self.largest.update(&self.file, &self.faces.names)?;
-            update_warnings(&self.file, &self.warnings)?;
-            self.file.attr("complete")?.write_scalar(&complete)?;
-            self.file.flush()
+            let file = &self.datasets.file;
+            cost.update(file)?;
+            self.largest.update(file, &self.faces.names)?;
+            update_warnings(file, &self.warnings)?;
+            file.attr("complete")?.write_scalar(&complete)?;
+            file.flush()
         };
         mark().map_err(|e| not_written(&self.path, &e))?;
         self.waits = false;
@@ -332,22 +302,24 @@ impl SeriesWriter {
     }
 
     fn write(&mut self) -> hdf5::Result<()> {
+        let Datasets { file, series, contacts, probes, tensions, map } = &self.datasets;
         // If this fails, the rows remain, and closing the file tries to write them again.
-        let (probes, tensions): (Vec<_>, Vec<_>) =
+        let (at_probes, on_faces): (Vec<_>, Vec<_>) =
             self.read.iter().map(|read| (&read.probes[..], read.faces.clone())).unzip();
-        self.probes.append(self.rows_written, &probes)?;
-        self.tensions.append(self.rows_written, &tensions, &rings(&self.faces, &self.buffer))?;
+        probes.append(self.rows_written, &at_probes)?;
+        let ring: Vec<f64> = self.buffer.iter().map(|step| self.faces.ring(step)).collect();
+        tensions.append(self.rows_written, &on_faces, &ring)?;
         if self.map_is_new {
-            self.map_datasets.write(&self.map)?;
+            map.write(&self.map)?;
             self.map_is_new = false;
         }
-        append(&self.series, &SERIES, self.rows_written, &self.buffer)?;
+        append(series, &SERIES, self.rows_written, &self.buffer)?;
         // An open episode changes, so the episode written last is written again.
         let first = self.episodes_written.saturating_sub(1);
         let episodes = &self.episodes.all()[first..];
-        append(&self.contacts, &CONTACTS, first, episodes)?;
-        self.file.group("contacts")?.attr("open_at_end")?.write_scalar(&self.episodes.is_open())?;
-        self.file.flush()?;
+        append(contacts, &CONTACTS, first, episodes)?;
+        file.group("contacts")?.attr("open_at_end")?.write_scalar(&self.episodes.is_open())?;
+        file.flush()?;
         self.episodes_written = self.episodes.all().len();
         self.rows_written += self.buffer.len();
         self.buffer.clear();
@@ -367,17 +339,8 @@ impl Drop for SeriesWriter {
     }
 }
 
-struct Begun {
-    file: hdf5::File,
-    series: Vec<hdf5::Dataset>,
-    contacts: Vec<hdf5::Dataset>,
-    probes: ProbeDatasets,
-    tensions: TensionDatasets,
-    map: MapDatasets,
-}
-
 /// Creates the file at `path` with its attributes and its datasets.
-fn begin(path: &Path, provenance: &Provenance, points: &Points) -> hdf5::Result<Begun> {
+fn begin(path: &Path, provenance: &Provenance, points: &Points) -> hdf5::Result<Datasets> {
     let file = storage::create(path)?;
     provenance.write(&file)?;
     Cost::UNKNOWN.write(&file)?;
@@ -395,5 +358,5 @@ fn begin(path: &Path, provenance: &Provenance, points: &Points) -> hdf5::Result<
     let series = new_datasets(&file, &SERIES, chunk)?;
     let group = file.group("contacts")?;
     write_scalar(&group, "open_at_end", false)?;
-    Ok(Begun { file, series, contacts, probes, tensions, map })
+    Ok(Datasets { file, series, contacts, probes, tensions, map })
 }

@@ -130,6 +130,20 @@ pub(super) fn part(path: &Path) -> Result<PathBuf> {
     beside(path, &format!("{}.part", std::process::id()))
 }
 
+/// Writes the temporary file of `path` (resolved) with `write`; returns it with what `write` returns. After an error it is
+/// removed.
+pub(super) fn write_part<T>(path: &Path, write: impl FnOnce(&Path) -> Result<T>) -> Result<(PathBuf, T)> {
+    let part = part(path)?;
+    match write(&part) {
+        Ok(written) => Ok((part, written)),
+        Err(error) => {
+            // This error says more than an error of the removal.
+            let _ = fs::remove_file(&part);
+            Err(error)
+        }
+    }
+}
+
 /// Hidden file in the folder of `path` (resolved), with another ending.
 pub(super) fn beside(path: &Path, ending: &str) -> Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| Error::io(path, "is not the name of a file"))?;

@@ -69,7 +69,8 @@ impl Data {
             let Quantity { time, parts, .. } = quantity(path, name)?;
             Ok(Series { time, values: parts.into_iter().next().map(|part| part.values).unwrap_or_default() })
         };
-        let scene = Scene::within(&path.display().to_string(), Path::new(&provenance.folder), &provenance.scene, &[]);
+        let scene =
+            Scene::within(&path.display().to_string(), Path::new(&provenance.folder), &provenance.origin.scene, &[]);
         let written = std::fs::metadata(path).and_then(|file| file.modified()).ok();
         Ok(Self {
             path: path.to_owned(),
@@ -94,7 +95,7 @@ impl Data {
 
     /// Title of the report: the title of the scene, or the name of the file if the scene has none.
     pub fn title(&self) -> String {
-        let title = self.provenance.title.trim();
+        let title = self.provenance.origin.title.trim();
         visible(if title.is_empty() { &self.file } else { title })
     }
 
@@ -109,10 +110,5 @@ impl Data {
     /// The last recorded time, s.
     pub fn end(&self) -> f64 {
         self.force.time.last().copied().unwrap_or_default()
-    }
-
-    /// Start and end of each contact, s.
-    pub fn touches(&self) -> Vec<(f64, f64)> {
-        self.contacts.episodes.iter().map(|episode| (episode.start, episode.end)).collect()
     }
 }

@@ -46,12 +46,11 @@ pub fn section(data: &Data) -> Result<Section> {
         time,
         curves: curves.map(|(name, values)| ((*name).to_owned(), *values)).collect(),
         limits: Vec::new(),
-        contacts: data.touches(),
         caption: "Energies of impactor (kinetic), contact (indentation), body and supports, and their total. Those below a thousandth of the largest are left out.".to_owned(),
     };
     let mut sections = Vec::new();
     if largest > 0.0 {
-        sections.push(Block::Figure(figure.draw()?));
+        sections.push(Block::Figure(figure.draw(data)?));
     }
     sections.push(Block::Table(table(&named, unit_for(largest, ENERGY))));
     sections.extend(balance(&data.energies).map(Block::Text));

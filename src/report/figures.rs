@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::figure::Sheet;
 use crate::figure::history::{Curve, History, Role, RunCurves, draw_inline};
 
+use super::data::Data;
 use super::number::{Units, unit_for};
 use super::page::Figure;
 
@@ -32,18 +33,16 @@ pub struct Curves<'a> {
     pub curves: Vec<(String, &'a [f64])>,
     /// Name and value of limits, drawn as horizontal lines.
     pub limits: Vec<(String, f64)>,
-    /// Start and end of each contact, s.
-    pub contacts: Vec<(f64, f64)>,
     /// Caption below the figure.
     pub caption: String,
 }
 
 impl Curves<'_> {
-    /// Draws the figure in both sizes.
+    /// Draws the figure in both sizes, with the contacts below the curves.
     ///
     /// # Errors
     /// Same as [`draw_inline`].
-    pub fn draw(self) -> Result<Figure> {
+    pub fn draw(self, data: &Data) -> Result<Figure> {
         let values = self.curves.iter().flat_map(|(_, values)| values.iter().copied());
         let largest = values.chain(self.limits.iter().map(|(_, limit)| *limit));
         let unit = unit_for(
@@ -67,7 +66,7 @@ impl Curves<'_> {
             runs: vec![RunCurves {
                 time: self.time.to_vec(),
                 curves: self.curves.into_iter().map(curve).chain(limits).collect(),
-                contacts: self.contacts,
+                contacts: data.contacts.episodes.clone(),
             }],
         };
         let name = format!("{} over time", self.quantity);

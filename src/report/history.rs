@@ -20,7 +20,6 @@ pub fn section(data: &Data) -> Result<Section> {
         time: &data.force.time,
         curves: vec![(String::new(), &data.force.values)],
         limits: Vec::new(),
-        contacts: data.touches(),
         caption: format!(
             "Contact force. Divided by the impactor’s mass of {} it is the impactor’s deceleration, with a peak of {}. Bars below the axis show the contacts.",
             given(mass, MASS),
@@ -33,9 +32,8 @@ pub fn section(data: &Data) -> Result<Section> {
         time: &data.deflection.time,
         curves: vec![(String::new(), &data.deflection.values)],
         limits: Vec::new(),
-        contacts: data.touches(),
         caption: "Displacement of the surface under the impactor, along the direction of impact.".to_owned(),
     };
-    let parts = vec![Block::Figure(force.draw()?), Block::Figure(deflection.draw()?)];
+    let parts = vec![Block::Figure(force.draw(data)?), Block::Figure(deflection.draw(data)?)];
     Ok(Section { id: "history", title: "History of the impact", parts })
 }

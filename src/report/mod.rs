@@ -14,7 +14,7 @@ mod origin;
 mod page;
 mod probes;
 mod relaxation;
-mod scene;
+pub mod scene;
 mod summary;
 mod tension;
 
@@ -26,6 +26,7 @@ use crate::error::{Error, Result};
 
 use data::Data;
 pub use faces::face_figure;
+pub use page::Fact;
 use page::{Page, Section};
 
 /// Makes the report on the result `path`. Returns the text of an HTML file.

@@ -7,7 +7,7 @@ use crate::scene::{Model, Scene};
 
 use super::data::Data;
 use super::number::percent;
-use super::page::{Block, Fact, Facts, Section};
+use super::page::{Block, Fact, Section};
 
 /// Makes the section.
 pub fn section(data: &Data) -> Section {
@@ -27,15 +27,11 @@ pub fn section(data: &Data) -> Section {
         let error = format!("{} of the peak, by {error_causes}", percent(*first_contact_error));
         rows.push(Fact::new("Estimated error in the first contact", error));
     }
-    rows.push(Fact::new("Estimated error of the acceleration", acceleration_error(data).sentence()));
-    if let Some(estimate) = deflection_error(data) {
-        rows.push(Fact::new("Estimated error of the deflection under the impactor", estimate.sentence()));
-    }
-    if let Some(stresses) = &data.stresses {
-        rows.push(Fact::new("Estimated error of the largest tension", stress_error(stresses).sentence()));
-    }
+    rows.push(acceleration_error(data));
+    rows.extend(deflection_error(data));
+    rows.extend(data.stresses.as_ref().map(stress_error));
     let mut parts = vec![
-        Block::Facts(Facts { caption: "Model".to_owned(), rows }),
+        Block::Facts { caption: "Model", rows },
         Block::Text(
             "The estimate of the acceleration’s error combines the estimated errors of the cells, the basis, the selected theory, \
              the time steps and the contact patch, as far as each applies, divided by the peak. It does not include the error of a theory, \
@@ -52,7 +48,7 @@ pub fn section(data: &Data) -> Section {
     let rows: Vec<Fact> =
         said.map(|(kind, text)| Fact::new(sentence(kind).trim_end_matches('.'), sentence(text))).collect();
     if !rows.is_empty() {
-        parts.push(Block::Facts(Facts { caption: "Warnings and notes of the run".to_owned(), rows }));
+        parts.push(Block::Facts { caption: "Warnings and notes of the run", rows });
     }
     Section { id: "model", title: "Model", parts }
 }
@@ -90,34 +86,23 @@ fn sentence(text: &str) -> String {
     format!("{first}{}.", letters.as_str().trim_end_matches('.'))
 }
 
-/// An estimated error in words.
-pub struct Estimate {
-    /// The error in per cent, or "not estimated".
-    pub value: String,
-    /// Reference value and scope of the error; may be empty.
-    pub of: String,
-}
-
-impl Estimate {
-    /// The estimate as text.
-    pub fn sentence(self) -> String {
-        format!("{} {}", self.value, self.of).trim_end().to_owned()
-    }
+/// An estimated error, with its reference value and scope; or, without an estimate, with the reason.
+fn estimated(of_what: &str, error: f64, scope: String, reason: &str) -> Fact {
+    let reason = if reason.is_empty() { String::new() } else { format!("({reason})") };
+    let (value, note) = if error.is_nan() { ("not estimated".to_owned(), reason) } else { (percent(error), scope) };
+    Fact::new(format!("Estimated error of the {of_what}"), value).noted(note)
 }
 
 /// Estimated error of the acceleration, with the tolerance.
-pub fn acceleration_error(data: &Data) -> Estimate {
-    let error = data.cost.error_estimate;
-    if error.is_nan() {
-        let of = if data.is_complete { "" } else { "(the run did not reach its end)" };
-        return Estimate { value: "not estimated".to_owned(), of: of.to_owned() };
-    }
+pub fn acceleration_error(data: &Data) -> Fact {
+    let reason = if data.is_complete { "" } else { "the run did not reach its end" };
     let tolerance = data.scene.as_ref().map_or(String::new(), |Scene { tolerance, .. }| {
         format!(" (tolerance in the first contact: {})", percent(*tolerance))
     });
     let without =
         if is_theory_left_out(data) { ", without that of the theory, which the scene prescribes" } else { "" };
-    Estimate { value: percent(error), of: format!("of the peak, over the whole history{tolerance}{without}") }
+    let scope = format!("of the peak, over the whole history{tolerance}{without}");
+    estimated("acceleration", data.cost.error_estimate, scope, reason)
 }
 
 /// Whether the scene prescribes a theory simpler than the solid. The error of such a theory is not estimated.
@@ -127,23 +112,17 @@ fn is_theory_left_out(data: &Data) -> bool {
 }
 
 /// Estimated error of the deflection under the impactor; `None` if it is not estimated.
-pub fn deflection_error(data: &Data) -> Option<Estimate> {
+pub fn deflection_error(data: &Data) -> Option<Fact> {
     let error = data.cost.deflection_error_estimate;
-    let mut of = "of its largest value, over the whole history".to_owned();
+    let mut scope = "of its largest value, over the whole history".to_owned();
     if error > LARGE_ERROR_OF_DEFLECTION {
-        of += ". Deflections elsewhere may have errors as large";
+        scope += ". Deflections elsewhere may have errors as large";
     }
-    (!error.is_nan()).then(|| Estimate { value: percent(error), of })
+    (!error.is_nan()).then(|| estimated("deflection under the impactor", error, scope, ""))
 }
 
 /// Estimated error of the largest tension.
-pub fn stress_error(stresses: &Stresses) -> Estimate {
-    let error = stresses.error_estimate;
-    if error.is_nan() {
-        let why = stresses.without_estimate.as_str();
-        let of = if why.is_empty() { String::new() } else { format!("({why})") };
-        Estimate { value: "not estimated".to_owned(), of }
-    } else {
-        Estimate { value: percent(error), of: "of the peak, in the first contact".to_owned() }
-    }
+pub fn stress_error(stresses: &Stresses) -> Fact {
+    let scope = "of the peak, in the first contact".to_owned();
+    estimated("largest tension", stresses.error_estimate, scope, &stresses.without_estimate)
 }

@@ -28,7 +28,7 @@ pub struct Summary {
     /// Conclusions from the results, and their limitations.
     pub verdicts: Vec<Verdict>,
     /// The key figures.
-    pub facts: Vec<KeyFigure>,
+    pub facts: Vec<Fact>,
 }
 
 /// A conclusion in the summary.
@@ -73,17 +73,6 @@ impl Grade {
     }
 }
 
-/// A key figure of the summary.
-#[derive(Debug)]
-pub struct KeyFigure {
-    /// Name of the quantity.
-    pub name: &'static str,
-    /// Value with its unit.
-    pub value: String,
-    /// Time or place of the value; may be empty.
-    pub note: String,
-}
-
 /// A section of the report.
 #[derive(Debug)]
 pub struct Section {
@@ -101,37 +90,51 @@ pub enum Block {
     /// A paragraph.
     Text(String),
     /// A table of names and values.
-    Facts(Facts),
+    Facts {
+        /// Caption of the table.
+        caption: &'static str,
+        /// The rows.
+        rows: Vec<Fact>,
+    },
     /// A table of numbers.
     Table(Table),
     /// A figure.
     Figure(Figure),
     /// A text that is hidden until the reader opens it; it is always visible in print.
-    Fold(Fold),
+    Fold {
+        /// Title, which is always visible.
+        title: &'static str,
+        /// The text; its line breaks are kept.
+        text: String,
+    },
 }
 
-/// A table of names and values.
-#[derive(Debug)]
-pub struct Facts {
-    /// Caption of the table.
-    pub caption: String,
-    /// The rows.
-    pub rows: Vec<Fact>,
-}
-
-/// A row of [`Facts`].
+/// A fact about a scene or a result.
 #[derive(Debug)]
 pub struct Fact {
     /// Name of the quantity or property.
     pub name: String,
     /// Value in words, or a number with its unit.
     pub value: String,
+    /// Time, place or scope of the value; may be empty.
+    pub note: String,
 }
 
 impl Fact {
-    /// Makes a row from a name and a value.
+    /// Makes a fact from a name and a value.
     pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
-        Self { name: name.into(), value: value.into() }
+        Self { name: name.into(), value: value.into(), note: String::new() }
+    }
+
+    /// The fact with a note.
+    #[must_use]
+    pub fn noted(self, note: impl Into<String>) -> Self {
+        Self { note: note.into(), ..self }
+    }
+
+    /// Value and note.
+    pub fn text(&self) -> String {
+        format!("{} {}", self.value, self.note).trim_end().to_owned()
     }
 }
 
@@ -185,13 +188,4 @@ pub struct Figure {
     pub narrow: String,
     /// Caption of the figure.
     pub caption: String,
-}
-
-/// A text that the reader can open.
-#[derive(Debug)]
-pub struct Fold {
-    /// Title, which is always visible.
-    pub title: String,
-    /// The text; its line breaks are kept.
-    pub text: String,
 }

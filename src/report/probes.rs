@@ -82,7 +82,9 @@ fn figure(
     for probe in &drawn {
         let read = data.probe(&probe.name, dataset)?;
         let rows = (0..read.time.len()).map(|n| read.parts.iter().map(|part| part.values[n]).collect::<Vec<f64>>());
-        curves.push((probe.name.clone(), rows.map(|row| of_row(&row)).collect::<Vec<f64>>()));
+        // A single curve needs no name.
+        let name = if drawn.len() == 1 { String::new() } else { probe.name.clone() };
+        curves.push((name, rows.map(|row| of_row(&row)).collect::<Vec<f64>>()));
         time = read.time;
     }
     let of =
@@ -92,10 +94,6 @@ fn figure(
     } else {
         String::new()
     };
-    let is_alone = curves.len() == 1;
-    let named =
-        |(name, values): &(String, Vec<f64>)| (if is_alone { String::new() } else { name.clone() }, values.clone());
-    let curves: Vec<(String, Vec<f64>)> = curves.iter().map(named).collect();
     let words = quantity[..1].to_uppercase() + &quantity[1..];
     let drawing = Curves {
         quantity,
@@ -103,8 +101,7 @@ fn figure(
         time: &time,
         curves: curves.iter().map(|(name, values)| (name.clone(), values.as_slice())).collect(),
         limits: Vec::new(),
-        contacts: data.touches(),
         caption: format!("{words} {of}{which}."),
     };
-    drawing.draw().map(Block::Figure)
+    drawing.draw(data).map(Block::Figure)
 }

@@ -1,18 +1,20 @@
-//! Section of a report with the scene: body, supports, impactor, loads, time, and the full text.
+//! Facts about a scene: body, supports, impactor, loads and time; and the section of a report with them and the full text.
 
 use crate::contact::ForceLaw;
 use crate::form;
+use crate::impact::steps;
 use crate::material::Material;
 use crate::scene::{
-    Body, Geometry, Impactor, Initial, Parts, STANDARD_GRAVITY, Scene, Scheme, Support, SupportKind, Symmetry, Vec3,
+    Body, Geometry, Impactor, Initial, Layer, Parts, STANDARD_GRAVITY, Scene, Scheme, Support, SupportKind, Symmetry,
     Within,
 };
 
 use super::data::Data;
 use super::number::{
-    FORCE, LENGTH, MASS, MODULUS, SPEED, TIME, by_component, computed, digits, given, percent, plain, vector, with_unit,
+    FORCE, LENGTH, MASS, MODULUS, SPEED, STRESS, TIME, by_component, computed, digits, given, percent, plain, vector,
+    with_unit,
 };
-use super::page::{Block, Column, Fact, Facts, Fold, Section, Table};
+use super::page::{Block, Fact, Section};
 use super::relaxation;
 
 /// Makes the section.
@@ -20,24 +22,28 @@ pub fn section(data: &Data) -> Section {
     let mut parts = Vec::new();
     match &data.scene {
         Ok(scene) => {
-            parts.push(facts("Body and material", body(&scene.body)));
+            parts.push(facts("Body and material", body(scene), ""));
             parts.extend(relaxation::tables(&scene.body));
-            parts.push(supports(&scene.supports));
-            parts.push(facts("Impactor and contact", impactor(scene)));
-            parts.push(loads(scene));
-            parts.push(facts("Time", time(scene)));
+            parts.push(facts("Supports", supports(scene), "none. The body is free"));
+            parts.push(facts("Impactor and contact", impactor(scene), ""));
+            parts.push(facts("Loads", loads(scene), "none but the impact"));
+            parts.push(facts("Time", time(scene), ""));
         }
         Err(reason) => parts.push(Block::Text(format!(
             "This version of ricochet cannot read the scene ({reason}), so it is given by its text alone."
         ))),
     }
-    let text = data.provenance.scene.trim_end().to_owned();
-    parts.push(Block::Fold(Fold { title: "Full text of the scene (TOML, SI units)".to_owned(), text }));
+    let text = data.provenance.origin.scene.trim_end().to_owned();
+    parts.push(Block::Fold { title: "Full text of the scene (TOML, SI units)", text });
     Section { id: "scene", title: "Scene", parts }
 }
 
-fn facts(caption: &str, rows: Vec<Fact>) -> Block {
-    Block::Facts(Facts { caption: caption.to_owned(), rows })
+/// A table of facts; where there are none, a text that says so.
+fn facts(caption: &'static str, rows: Vec<Fact>, none: &str) -> Block {
+    if rows.is_empty() {
+        return Block::Text(format!("{caption}: {none}."));
+    }
+    Block::Facts { caption, rows }
 }
 
 /// Shape and size of a body in a few words.
@@ -53,77 +59,89 @@ pub fn shape(body: &Body) -> String {
     }
 }
 
-fn body(body: &Body) -> Vec<Fact> {
+/// Facts about the body.
+pub fn body(Scene { body, strength, .. }: &Scene) -> Vec<Fact> {
     let mut rows = vec![Fact::new("Body", shape(body))];
-    if let Some(mass) = body.mass() {
-        rows.push(Fact::new("Mass", computed(mass, MASS)));
-    }
+    rows.extend(body.mass().map(|mass| Fact::new("Mass", computed(mass, MASS))));
     match &body.composition.parts {
-        Parts::Whole(material) => rows.extend(constants("", material)),
-        Parts::Layers(layers) => {
-            for (number, layer) in layers.iter().enumerate() {
-                let prefix = format!("Layer {} ({}): ", number + 1, layer.name);
-                rows.push(Fact::new(format!("{prefix}thickness"), given(layer.thickness, LENGTH)));
-                rows.extend(constants(&prefix, &layer.material));
-            }
-        }
+        Parts::Whole(material) => rows.push(Fact::new("Material", constants(material))),
+        Parts::Layers(layers) => rows.extend((1..).zip(layers).map(|(number, Layer { name, thickness, material })| {
+            let thickness = given(*thickness, LENGTH);
+            Fact::new(format!("Layer {number} ({name})"), format!("{thickness} thick, {}", constants(material)))
+        })),
         Parts::Volumes(volumes) => {
-            for (name, material) in volumes {
-                rows.extend(constants(&format!("{name}: "), material));
-            }
+            rows.extend(
+                volumes.iter().map(|(name, material)| Fact::new(format!("Volume {name}"), constants(material))),
+            );
         }
     }
-    if let Symmetry::Quarter { .. } = body.symmetry {
-        rows.push(Fact::new("Symmetry", "body, supports and impact are symmetric; a quarter may be solved"));
+    rows.extend(body.temperature.map(|at| Fact::new("Temperature", with_unit(plain(at), "°C"))));
+    let of_all = strength.tension.map(|strength| given(strength, STRESS));
+    let of_faces = strength.by_face.iter().map(|(face, of)| format!("{} on the face {face}", given(*of, STRESS)));
+    let strengths: Vec<String> = of_all.into_iter().chain(of_faces).collect();
+    if !strengths.is_empty() {
+        rows.push(Fact::new("Strength", strengths.join(", ")));
+    }
+    match &body.symmetry {
+        Symmetry::Quarter { .. } => {
+            rows.push(Fact::new("Symmetry", "body, supports and impact are symmetric; a quarter may be solved"));
+        }
+        Symmetry::None { reason: Some(reason) } | Symmetry::Parts { reason, .. } => {
+            rows.push(Fact::new("Symmetry", format!("none: {reason}")));
+        }
+        Symmetry::None { reason: None } => {}
     }
     rows
 }
 
-/// Elastic constants and density of a part of the body; the instantaneous constants (t → 0) if it is viscoelastic.
-fn constants(part: &str, material: &Material) -> [Fact; 3] {
+/// Elastic constants and density; the instantaneous constants (t → 0) and the range of the shear modulus if the material is
+/// viscoelastic.
+fn constants(material: &Material) -> String {
     let form::Material { young, poisson, density } = material.instantaneous;
     // The constants computed from the moduli of a chain would otherwise be written with all their digits.
     let (when, young, poisson) = match material.shear {
         None => ("", given(young, MODULUS), plain(poisson)),
         Some(_) => (" at t → 0", computed(young, MODULUS), digits(poisson, 4)),
     };
-    [
-        Fact::new(format!("{part}Young’s modulus{when}"), young),
-        Fact::new(format!("{part}Poisson’s ratio{when}"), poisson),
-        Fact::new(format!("{part}Density"), with_unit(plain(density), "kg/m³")),
-    ]
-}
-
-fn supports(supports: &[Support]) -> Block {
-    if supports.is_empty() {
-        return Block::Text("Supports: none. The body is free.".to_owned());
-    }
-    let is_damped = supports.iter().any(|support| support.damping != [0.0; 3]);
-    let is_moved = supports.iter().any(|support| support.displacement != [0.0; 3]);
-    let mut columns = vec![Column::text("Surface"), Column::text("Kind"), Column::text("Stiffness")];
-    columns.extend(is_damped.then(|| Column::text("Damping")));
-    columns.extend(is_moved.then(|| Column::text("Displacement")));
-    let rows = supports.iter().map(|support| {
-        let (kind, stiffness) = match &support.kind {
-            SupportKind::Elastic { stiffness } => ("springs".to_owned(), by_component(*stiffness, "N/m³")),
-            SupportKind::Pad { stiffness, normal } => {
-                (format!("pad, compression only, towards {}", vector(*normal, "")), by_component(*stiffness, "N/m³"))
-            }
-            SupportKind::Clamped { components } => (format!("held in {}", held(*components)), "rigid".to_owned()),
-        };
-        let mut row = vec![place(&support.surface, support.within), kind, stiffness];
-        let some = |values: Vec3, text: String| if values == [0.0; 3] { "none".to_owned() } else { text };
-        row.extend(is_damped.then(|| some(support.damping, by_component(support.damping, "N s/m³"))));
-        row.extend(is_moved.then(|| some(support.displacement, vector(support.displacement, "m"))));
-        row
+    let chain = material.shear.as_ref().map_or(String::new(), |shear| {
+        format!(
+            ", bulk modulus {}, shear modulus from {} at t → 0 down to {} (Maxwell chain, terms: {})",
+            given(material.instantaneous.bulk(), MODULUS),
+            computed(shear.instantaneous(), MODULUS),
+            given(shear.equilibrium, MODULUS),
+            shear.terms.len()
+        )
     });
-    Block::Table(Table { caption: "Supports".to_owned(), columns, rows: rows.collect() })
+    let density = with_unit(plain(density), "kg/m³");
+    format!("Young’s modulus{when} {young}, Poisson’s ratio{when} {poisson}, density {density}{chain}")
 }
 
-fn held(components: [bool; 3]) -> String {
-    let names: Vec<&str> =
-        ["x", "y", "z"].into_iter().zip(components).filter(|(_, held)| *held).map(|(name, _)| name).collect();
-    names.join(", ")
+/// Facts about the supports, by surface.
+pub fn supports(scene: &Scene) -> Vec<Fact> {
+    let described = |Support { surface, within, kind, damping, displacement }: &Support| {
+        let mut value = match kind {
+            SupportKind::Elastic { stiffness } => format!("springs of {}", by_component(*stiffness, "N/m³")),
+            SupportKind::Pad { stiffness, normal } => {
+                let stiffness = by_component(*stiffness, "N/m³");
+                format!("pad of {stiffness}, compression only, towards {}", vector(*normal, ""))
+            }
+            SupportKind::Clamped { components } => {
+                let all = ["x", "y", "z"].into_iter().zip(components);
+                format!(
+                    "held in {}",
+                    all.filter(|(_, held)| **held).map(|(name, _)| name).collect::<Vec<_>>().join(", ")
+                )
+            }
+        };
+        if *damping != [0.0; 3] {
+            value += &format!(", damping {}", by_component(*damping, "N s/m³"));
+        }
+        if *displacement != [0.0; 3] {
+            value += &format!(", displaced by {}", vector(*displacement, "m"));
+        }
+        Fact::new(place(surface, *within), value)
+    };
+    scene.supports.iter().map(described).collect()
 }
 
 /// Name of a surface, or description of a part of it.
@@ -140,7 +158,8 @@ fn place(surface: &str, within: Option<Within>) -> String {
     }
 }
 
-fn impactor(Scene { impactor, contact, .. }: &Scene) -> Vec<Fact> {
+/// Facts about the impactor and its contact.
+pub fn impactor(Scene { impactor, contact, .. }: &Scene) -> Vec<Fact> {
     let mut rows = vec![Fact::new("Mass", given(impactor.mass, MASS))];
     if let Some(radius) = impactor.radius {
         rows.push(Fact::new("Radius of its surface", given(radius, LENGTH)));
@@ -155,7 +174,7 @@ fn impactor(Scene { impactor, contact, .. }: &Scene) -> Vec<Fact> {
     if impactor.gravity != 0.0 {
         rows.push(Fact::new("Weight", "acts during the run"));
     }
-    rows.push(Fact::new("Contact law", law(&impactor.force_law)));
+    rows.push(Fact::new("Contact law", law(impactor)));
     if let Some(area) = contact.area() {
         rows.push(Fact::new("Contact", format!("presses {area}")));
     }
@@ -176,12 +195,18 @@ fn drop(speed: f64) -> String {
     format!("{} (as after a fall of {})", short_speed(speed), computed(height, LENGTH))
 }
 
-fn law(law: &ForceLaw) -> String {
-    match law {
+fn law(impactor: &Impactor) -> String {
+    match &impactor.force_law {
         ForceLaw::Hertz(law) => {
             // Rounded, because most scenes let the program compute the stiffness from the materials.
-            let stiffness = digits(law.stiffness, 4);
-            format!("Hertz, F = k₀ α^1.5 with k₀ = {}", with_unit(stiffness, "N/m^1.5"))
+            let stiffness = with_unit(digits(law.stiffness, 4), "N/m^1.5");
+            let layered = match impactor.layered_contact() {
+                Some(_) => {
+                    "; plates, and spline solids without contact.patch_radius, use the law of a sphere on the layers instead"
+                }
+                None => "",
+            };
+            format!("Hertz, F = k₀ α^1.5 with k₀ = {stiffness}{layered}")
         }
         ForceLaw::Power(law) => {
             let exponent = plain(law.exponent);
@@ -195,25 +220,18 @@ fn law(law: &ForceLaw) -> String {
     }
 }
 
-fn loads(scene: &Scene) -> Block {
-    let load = &scene.load;
-    let mut rows = Vec::new();
-    if load.body_force != [0.0; 3] {
-        rows.push(Fact::new("Whole body", vector(load.body_force, "N/m³")));
-    }
-    if load.gravity != [0.0; 3] {
-        rows.push(Fact::new("Gravity", vector(load.gravity, "m/s²")));
-    }
-    for traction in &load.traction {
-        rows.push(Fact::new(place(&traction.surface, traction.within), vector(traction.value, "N/m²")));
-    }
-    if rows.is_empty() {
-        return Block::Text("Loads: none but the impact.".to_owned());
-    }
-    facts("Loads beside the impact", rows)
+/// Facts about the loads beside the impact.
+pub fn loads(Scene { load, .. }: &Scene) -> Vec<Fact> {
+    let of_body = [("Whole body", load.body_force, "N/m³"), ("Gravity", load.gravity, "m/s²")];
+    let of_body = of_body.into_iter().filter(|(_, value, _)| *value != [0.0; 3]);
+    let of_body = of_body.map(|(name, value, unit)| Fact::new(name, vector(value, unit)));
+    let tractions = load.traction.iter();
+    let tractions = tractions.map(|of| Fact::new(place(&of.surface, of.within), vector(of.value, "N/m²")));
+    of_body.chain(tractions).collect()
 }
 
-fn time(scene: &Scene) -> Vec<Fact> {
+/// Facts about the time and its steps.
+pub fn time(scene: &Scene) -> Vec<Fact> {
     let time = &scene.time;
     let initial = match time.initial {
         Initial::Rest => "at rest, undeformed",
@@ -226,8 +244,8 @@ fn time(scene: &Scene) -> Vec<Fact> {
         Scheme::Energy => "energy-conserving midpoint rule".to_owned(),
         Scheme::CentralDifference { .. } => "central difference, lumped mass".to_owned(),
     };
-    let steps = match time.step {
-        Some(step) => format!("{} each", given(step, TIME)),
+    let of_time = match time.step {
+        Some(step) => format!("{} of {}", steps(time.end, step), given(step, TIME)),
         None => {
             format!("chosen for an error of {} of the peak acceleration in the first contact", percent(scene.tolerance))
         }
@@ -236,7 +254,7 @@ fn time(scene: &Scene) -> Vec<Fact> {
         Fact::new("Duration", given(time.end, TIME)),
         Fact::new("Body at the start", initial),
         Fact::new("Integration", scheme),
-        Fact::new("Steps", steps),
+        Fact::new("Steps", of_time),
     ]
 }
 
@@ -254,10 +272,6 @@ pub fn sentence(scene: &Scene) -> String {
         given(*mass, MASS),
         shape(&scene.body),
         short_speed(*speed),
-        where_hit(*point)
+        vector(*point, "m")
     )
-}
-
-fn where_hit(point: Vec3) -> String {
-    vector(point, "m")
 }

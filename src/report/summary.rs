@@ -8,9 +8,9 @@ use crate::record::useless::Printed;
 use crate::scene::Model;
 
 use super::data::Data;
-use super::model::{Estimate, acceleration_error, deflection_error, stress_error};
+use super::model::{acceleration_error, deflection_error, stress_error};
 use super::number::{ACCELERATION, FORCE, LENGTH, MASS, SPEED, STRESS, TIME, Units, computed, given, percent};
-use super::page::{Grade, KeyFigure, Summary, Verdict};
+use super::page::{Fact, Grade, Summary, Verdict};
 use super::scene::sentence;
 use super::tension::{face_name, most_used};
 
@@ -135,21 +135,24 @@ fn deflection(data: &Data) -> Option<Verdict> {
     Some(verdict(Grade::Open, "Large deflection", text))
 }
 
-fn facts(data: &Data) -> Vec<KeyFigure> {
+fn facts(data: &Data) -> Vec<Fact> {
     let mut facts = Vec::new();
-    let mut add = |name: &'static str, value: String, note: String| facts.push(KeyFigure { name, value, note });
     let at = |time: f64| format!("at {}", computed(time, TIME));
     if let Some(largest) = &data.extremes {
-        let mut extreme =
-            |name, Extreme { value, time }: Extreme, units: Units| add(name, computed(value, units), at(time));
-        extreme("Peak contact force", largest.force, FORCE);
-        extreme("Peak acceleration", largest.acceleration, ACCELERATION);
-        let Extreme { value, time } = largest.deflection;
-        let backwards = if value < 0.0 { ", opposite to the impactor's direction of travel" } else { "" };
-        add("Largest deflection", computed(value, LENGTH), format!("under the impactor, {}{backwards}", at(time)));
+        let extreme = |name: &str, Extreme { value, time }: Extreme, units: Units| {
+            Fact::new(name, computed(value, units)).noted(at(time))
+        };
+        let backwards =
+            if largest.deflection.value < 0.0 { ", opposite to the impactor's direction of travel" } else { "" };
+        let note = format!("under the impactor, {}{backwards}", at(largest.deflection.time));
+        facts.extend([
+            extreme("Peak contact force", largest.force, FORCE),
+            extreme("Peak acceleration", largest.acceleration, ACCELERATION),
+            extreme("Largest deflection", largest.deflection, LENGTH).noted(note),
+        ]);
     }
     match &data.contacts.episodes[..] {
-        [] => add("Contact", "none".to_owned(), String::new()),
+        [] => facts.push(Fact::new("Contact", "none")),
         [first, rest @ ..] => {
             let is_open = data.contacts.is_open && rest.is_empty();
             let count = match (rest.len(), is_open) {
@@ -157,27 +160,22 @@ fn facts(data: &Data) -> Vec<KeyFigure> {
                 (0, _) => "the only contact".to_owned(),
                 (more, _) => format!("the first of {} contacts", more + 1),
             };
-            add("Contact duration", computed(first.end - first.start, TIME), count);
+            facts.push(Fact::new("Contact duration", computed(first.end - first.start, TIME)).noted(count));
         }
     }
     let velocities = data.velocity.values.first().zip(data.velocity.values.last());
     if let Some((before, after)) = velocities {
-        add(
-            "Impactor’s velocity at the end",
-            computed(*after, SPEED),
-            format!("{} at the start", computed(*before, SPEED)),
-        );
+        let note = format!("{} at the start", computed(*before, SPEED));
+        facts.push(Fact::new("Impactor’s velocity at the end", computed(*after, SPEED)).noted(note));
     }
     if let Some((stresses, largest)) = data.stresses.as_ref().and_then(|of| Some((of, of.largest.as_ref()?))) {
         let note = format!("{}, {}", face_name(&largest.face), at(largest.time));
-        add("Largest tension", computed(largest.value, STRESS), note);
-        let Estimate { value, of } = stress_error(stresses);
-        add("Estimated error of the tension", value, of);
+        facts.extend([
+            Fact::new("Largest tension", computed(largest.value, STRESS)).noted(note),
+            stress_error(stresses),
+        ]);
     }
-    if let Some(Estimate { value, of }) = deflection_error(data) {
-        add("Estimated error of the deflection", value, of);
-    }
-    let Estimate { value, of } = acceleration_error(data);
-    add("Estimated error of the acceleration", value, of);
+    facts.extend(deflection_error(data));
+    facts.push(acceleration_error(data));
     facts
 }

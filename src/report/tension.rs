@@ -164,7 +164,8 @@ fn judgement(data: &Data, stresses: &Stresses) -> String {
             _ => "Whether the strength was exceeded is undecided.".to_owned(),
         },
     };
-    format!("{strength} Estimated error of the largest tension: {}.", stress_error(stresses).sentence())
+    let error = stress_error(stresses);
+    format!("{strength} {}: {}.", error.name, error.text())
 }
 
 /// The faces to be drawn.
@@ -187,10 +188,9 @@ fn figure(data: &Data, stresses: &Stresses) -> Result<Block> {
         time: &stresses.time,
         curves: drawn.iter().map(|face| (face_name(&face.name), face.largest.as_slice())).collect(),
         limits: limits(data, &drawn),
-        contacts: data.touches(),
         caption: format!("Largest principal stress anywhere on a face{which}. Tension is positive."),
     };
-    curves.draw().map(Block::Figure)
+    curves.draw(data).map(Block::Figure)
 }
 
 /// Strengths of the faces to be drawn as limits: one line if all are equal, otherwise one line for each face.

@@ -1,7 +1,7 @@
 //! A series computed from the step number, for the tests of results and of figures.
 
 use ricochet::impact::step::{Contact, Energy, Motion, Step};
-use ricochet::record::provenance::{Cost, Provenance};
+use ricochet::record::provenance::{Cost, Origin, Provenance};
 
 /// Costs of such a run.
 pub const COST: Cost = Cost {
@@ -61,15 +61,17 @@ pub fn step(number: usize) -> Step {
 pub fn provenance(title: &str, planned_rows: Option<usize>) -> Provenance {
     Provenance {
         run_id: 0x0123_4567_89ab_cdef,
-        title: title.into(),
-        scene: "title = \"Δt\"\n".repeat(10_000),
+        origin: Origin {
+            title: title.into(),
+            scene: "title = \"Δt\"\n".repeat(10_000),
+            version: "0.1.0".into(),
+            commit: "0123456789ab".into(),
+            petsc_version: "3.18.5".into(),
+            petsc_options: String::new(),
+            ranks: 2,
+        },
         folder: "/scenes".into(),
         mesh_digest: Some("0123456789abcdef".into()),
-        version: "0.1.0".into(),
-        commit: "0123456789ab".into(),
-        petsc_version: "3.18.5".into(),
-        petsc_options: String::new(),
-        ranks: 2,
         model: "solid".into(),
         model_details: None,
         reduction: "none".into(),

@@ -79,7 +79,7 @@ fn charted(only: &str) -> Vec<Line> {
     ricochet(path).args(["run", "ball.toml", "-o", "own.h5", "--set", "accuracy.tolerance=1e-3"]).assert().success();
     let history = ricochet::record::read::history(&path.join("own.h5")).unwrap();
     let rows: String =
-        history.time.iter().zip(&history.acceleration).map(|(t, a)| format!("{t:e},{:e}\n", 1.05 * a)).collect();
+        history.time.iter().zip(&history.parts[0].values).map(|(t, a)| format!("{t:e},{:e}\n", 1.05 * a)).collect();
     fs::write(path.join("peer.csv"), format!("time,acceleration\n{rows}")).unwrap();
     fs::write(path.join("peers.csv"), "name,setting,build,run,series\nPeer,\"5% more, slowly\",10,20,peer.csv\n")
         .unwrap();

@@ -210,7 +210,9 @@ fn layers_that_relax_have_their_chains() {
     // log₁₀ a_T = −4 · 51.6/103.2
     let shifted = "The times above are those at 71.6 °C: the given ones, which hold at T₀, times a_T = 0.01000";
     says(&page, &[shifted, "C₁ = 4, C₂ = 51.6 K and T₀ = 20 °C"]);
-    says(&page, &[relaxing, "Layer 2 (film): Young’s modulus at t → 0", "Layer 3 (glass): Young’s modulus"]);
+    let layers =
+        ["Layer 2 (film)1.52 mm thick, Young’s modulus at t → 0 ", "Layer 3 (glass)6 mm thick, Young’s modulus 70 GPa"];
+    says(&page, &[relaxing, layers[0], layers[1]]);
     // The shorter relaxation time comes first.
     let cells: Vec<String> = select(&page, "td").collect();
     assert!(cells.windows(2).any(|moduli| moduli == ["12.00", "7.500"]), "{cells:?}");

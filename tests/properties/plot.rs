@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 /// A result of 10 000 steps, with three contacts.
 fn result(folder: &Path, name: &str, title: &str) -> PathBuf {
     let path = folder.join(name);
-    let mut writer = SeriesWriter::create(&path, &provenance(title, None)).unwrap();
-    (0..10_000).for_each(|n| writer.push(&step(n)).unwrap());
+    let mut writer = SeriesWriter::create(&path, &provenance(title, None), &Points::default()).unwrap();
+    (0..10_000).for_each(|n| writer.push(&step(n), &Reading::default()).unwrap());
     writer.finish(&COST, true).unwrap();
     path
 }
@@ -104,7 +104,7 @@ fn errors_say_what_is_wrong_with_which_file() {
 fn probed(folder: &Path) -> PathBuf {
     let path = folder.join("probed.h5");
     let names = ["edge".to_owned()];
-    let mut writer = SeriesWriter::with_points(
+    let mut writer = SeriesWriter::create(
         &path,
         &provenance("Plate", None),
         &Points { probes: names.to_vec(), ..Points::default() },
@@ -113,7 +113,7 @@ fn probed(folder: &Path) -> PathBuf {
     for n in 0..100 {
         let values = [1.0, 2.0, 3.0].map(|factor| factor * n as f64);
         let read = Probe { displacement: values, velocity: values, principal_stress: values };
-        writer.push_read(&step(n), &Reading { probes: vec![read], ..Reading::default() }).unwrap();
+        writer.push(&step(n), &Reading { probes: vec![read], ..Reading::default() }).unwrap();
     }
     writer.finish(&COST, true).unwrap();
     path

@@ -5,9 +5,10 @@ use crate::sample::{COST, HALF_PERIOD, provenance, step};
 use crate::texts::text;
 use hdf5_metno as hdf5;
 use ricochet::error::Error;
+use ricochet::impact::Reading;
 use ricochet::impact::step::Step;
 use ricochet::record::read::history;
-use ricochet::record::series::SeriesWriter;
+use ricochet::record::series::{Points, SeriesWriter};
 use ricochet::record::target::{Kind, check_writable};
 use std::fs;
 use std::path::Path;
@@ -96,16 +97,16 @@ fn everything_written_is_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.h5");
         let given = provenance("Plate h = 0,1 m, ν = 0,23", planned);
-        let mut writer = SeriesWriter::create(&path, &given).unwrap().every(4);
+        let mut writer = SeriesWriter::create(&path, &given, &Points::default()).unwrap().every(4);
         for n in 0..=10_001 {
-            writer.push(&step(n)).unwrap();
+            writer.push(&step(n), &Reading::default()).unwrap();
         }
         writer.finish(&COST, true).unwrap();
 
         let file = hdf5::File::open(&path).unwrap();
         assert_eq!(checked_rows(&file, 4), 2501);
         check_contacts(&file, 10_001);
-        assert_eq!(text(&file, "title"), given.title);
+        assert_eq!(text(&file, "title"), given.origin.title);
         // Longer than an attribute may be.
         let scene = file.dataset("scene").unwrap().read_raw::<u8>().unwrap();
         assert_eq!(String::from_utf8(scene).unwrap(), given.scene);
@@ -127,7 +128,7 @@ fn everything_written_is_read_back() {
         assert_eq!(number::<u64>(&file, "solves"), 21);
 
         let history = history(&path).unwrap();
-        assert_eq!(history.title, given.title);
+        assert_eq!(history.title, given.origin.title);
         assert_eq!(history.time.len(), 2501);
         assert_eq!(history.contacts.len(), 3);
     }
@@ -138,14 +139,14 @@ fn first_step_is_on_the_disk_at_once_and_a_drop_writes_the_rest() {
     let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.h5");
-    let mut writer = SeriesWriter::create(&path, &provenance("", None)).unwrap();
+    let mut writer = SeriesWriter::create(&path, &provenance("", None), &Points::default()).unwrap();
     assert!(!path.exists());
-    writer.push(&step(0)).unwrap();
+    writer.push(&step(0), &Reading::default()).unwrap();
     // A copy, because this process shares the data that HDF5 has not flushed yet.
     let copy = folder.path().join("copy.h5");
     fs::copy(&path, &copy).unwrap();
     assert_eq!(checked_rows(&hdf5::File::open(&copy).unwrap(), 1), 1);
-    (1..7).for_each(|n| writer.push(&step(n)).unwrap());
+    (1..7).for_each(|n| writer.push(&step(n), &Reading::default()).unwrap());
     drop(writer);
     let file = hdf5::File::open(&path).unwrap();
     assert_eq!(checked_rows(&file, 1), 7);
@@ -177,9 +178,9 @@ fn child() {
         return;
     }
     let between: usize = job.parse().unwrap();
-    let mut writer = SeriesWriter::create(path, &provenance("", Some(200_000))).unwrap();
+    let mut writer = SeriesWriter::create(path, &provenance("", Some(200_000), &Points::default())).unwrap();
     for n in 0..200_000 {
-        writer.push(&step(n)).unwrap();
+        writer.push(&step(n), &Reading::default()).unwrap();
         if n % between == between - 1 {
             writer.flush().unwrap();
         }
@@ -225,7 +226,7 @@ fn result_in_writing_is_neither_replaced_nor_read() {
         std::thread::sleep(Duration::from_millis(1));
     }
     let replaced = check_writable(&path, Kind::Run).unwrap_err().to_string();
-    let created = SeriesWriter::create(&path, &provenance("", None)).err().unwrap();
+    let created = SeriesWriter::create(&path, &provenance("", None), &Points::default()).err().unwrap();
     let read = history(&path).unwrap_err().to_string();
     child.kill().unwrap();
     child.wait().unwrap();
@@ -241,8 +242,8 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
     let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let old = folder.path().join("old.h5");
-    let mut writer = SeriesWriter::create(&old, &provenance("old", None)).unwrap();
-    writer.push(&step(0)).unwrap();
+    let mut writer = SeriesWriter::create(&old, &provenance("old", None), &Points::default()).unwrap();
+    writer.push(&step(0), &Reading::default()).unwrap();
     assert!(check_writable(&old, Kind::Run).is_err(), "open in this process");
     writer.finish(&COST, true).unwrap();
     let bytes = fs::read(&old).unwrap();
@@ -265,7 +266,7 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
     ] {
         for error in [
             check_writable(path, Kind::Run).unwrap_err(),
-            SeriesWriter::create(path, &provenance("new", None)).err().unwrap(),
+            SeriesWriter::create(path, &provenance("new", None), &Points::default()).err().unwrap(),
         ] {
             assert!(matches!(error, Error::Io { .. }));
             assert!(error.to_string().contains(reason), "{error}");
@@ -277,14 +278,14 @@ fn creation_replaces_an_older_result_only_when_it_succeeds() {
     // An old result is not replaced by a run that fails before its first step, nor by one whose scene HDF5 cannot
     // store.
     check_writable(&old, Kind::Run).unwrap();
-    drop(SeriesWriter::create(&old, &provenance("new", None)).unwrap());
-    SeriesWriter::create(&old, &provenance("new", None)).unwrap().finish(&COST, false).unwrap();
-    assert!(SeriesWriter::create(&old, &provenance("a\0b", None)).is_err());
+    drop(SeriesWriter::create(&old, &provenance("new", None), &Points::default()).unwrap());
+    SeriesWriter::create(&old, &provenance("new", None), &Points::default()).unwrap().finish(&COST, false).unwrap();
+    assert!(SeriesWriter::create(&old, &provenance("a\0b", None), &Points::default()).is_err());
     assert_eq!(fs::read(&old).unwrap(), bytes);
     let link = folder.path().join("link.h5");
     std::os::unix::fs::symlink(&old, &link).unwrap();
-    let mut writer = SeriesWriter::create(&link, &provenance("new", None)).unwrap();
-    writer.push(&step(0)).unwrap();
+    let mut writer = SeriesWriter::create(&link, &provenance("new", None), &Points::default()).unwrap();
+    writer.push(&step(0), &Reading::default()).unwrap();
     writer.finish(&COST, true).unwrap();
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(history(&old).unwrap().title, "new");

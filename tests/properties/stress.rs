@@ -6,14 +6,15 @@ use crate::alone;
 use crate::sample::{COST, provenance, step};
 use crate::stresses::{PEAKS, POINT, add};
 use hdf5_metno as hdf5;
-use ricochet::record::series::SeriesWriter;
+use ricochet::impact::Reading;
+use ricochet::record::series::{Points, SeriesWriter};
 use ricochet::record::stress::{Largest, Passed, Stresses};
 
 /// A result of 101 steps.
 fn result(folder: &Path) -> PathBuf {
     let path = folder.join("out.h5");
-    let mut writer = SeriesWriter::create(&path, &provenance("Plate", None)).unwrap();
-    (0..101).for_each(|n| writer.push(&step(n)).unwrap());
+    let mut writer = SeriesWriter::create(&path, &provenance("Plate", None), &Points::default()).unwrap();
+    (0..101).for_each(|n| writer.push(&step(n), &Reading::default()).unwrap());
     writer.finish(&COST, true).unwrap();
     path
 }

@@ -88,8 +88,12 @@ fn words(
     (entries, boundary): (f64, f64),
     linear: Linear,
 ) -> (String, String) {
-    // Vectors of one motion; with controlled steps, of two motions and their saved states.
-    let vectors = if matches!(plan, Plan::Equal { .. }) { 30.0 } else { 100.0 } * 8.0 * body.unknowns() as f64;
+    // With controlled steps there are matrices for steps in contact, for the error estimate, and for the larger steps out of
+    // contact; and the vectors of two motions and their saved states.
+    let (sizes, note, vectors) = match plan {
+        Plan::Equal { .. } => (1.0, "", 30.0),
+        Plan::Controlled { .. } => (5.0, ", in up to five step sizes", 100.0),
+    };
     // For products: one triangle of K, and M by nodes.
     let products = 0.6 * entries;
     // K, M and S; in the full method also Ŝ and the Newton matrix; three dense matrices for pads.
@@ -97,61 +101,46 @@ fn words(
         Method::Condensed => ("condensed Newton: one solve and a scalar equation a step".to_owned(), 3.0, 0.0),
         Method::CondensedOnPads(pushed) => {
             let n = pushed.len();
-            (
-                format!("condensed Newton: two solves and {n} equations of the pads a step"),
-                3.0,
-                24.0 * (n as f64).powi(2),
-            )
+            let name = format!("condensed Newton: two solves and {n} equations of the pads a step");
+            (name, 3.0, 24.0 * (n as f64).powi(2))
         }
         Method::Full => ("full Newton (SNES) with the block aaᵀ".to_owned(), 5.0, 0.0),
     };
-    let factor = match linear {
-        Linear::Cholesky(factor) => factor,
-        Linear::None => {
-            let matrices = ENTRY * (2.0 * entries + products + boundary) + vectors;
-            return (
-                "none: every unknown by itself".to_owned(),
-                format!("about {:.0} MB over all ranks", 1e-6 * matrices),
-            );
-        }
-        Linear::Multigrid | Linear::Incomplete => {
-            let sizes = if matches!(plan, Plan::Equal { .. }) { 1.0 } else { 5.0 };
-            let (of_solver, preconditioner) = match linear {
-                Linear::Incomplete => (INCOMPLETE_MEMORY_FACTOR, "incomplete factors"),
-                _ => (MULTIGRID_MEMORY_FACTOR[usize::from(body.comm().size() > 1)], "multigrid (GAMG)"),
-            };
-            let operators = sizes * of_solver * entries;
-            let matrices = ENTRY * (2.0 * entries + products + boundary + operators) + sizes * dense + vectors;
-            let solver = format!(
-                "{name}; conjugate gradients with {preconditioner}, since a factor would take more: {entries:.2e} entries in K"
-            );
-            return (solver, format!("about {:.0} MB over all ranks", 1e-6 * matrices));
-        }
-    };
-    // With controlled steps there are factors for steps in contact, for the error estimate, and for the larger steps
-    // out of contact.
-    let (factors, note) = match plan {
-        Plan::Equal { .. } => (1.0, ""),
-        Plan::Controlled { .. } => (5.0, ", in up to five step sizes"),
-    };
-    let matrices = ENTRY * ((2.0 + factors * (matrices - 2.0)) * entries + boundary) + factors * dense + vectors;
-    let Some(factor) = factor else {
-        let memory = format!(
-            "about {:.0} MB for matrices, over all ranks, and the factorisations, of which MUMPS would tell: this PETSc is without it",
-            1e-6 * matrices
+    let megabytes = |bytes: f64| format!("{:.0} MB", 1e-6 * bytes);
+    let stored =
+        |entries: f64, dense: f64| ENTRY * (entries + boundary) + dense + 8.0 * vectors * body.unknowns() as f64;
+    let iterative = |factor: f64, preconditioner: &str| {
+        let all = stored(2.0 * entries + products + sizes * factor * entries, sizes * dense);
+        let solver = format!(
+            "{name}; conjugate gradients with {preconditioner}, since a factor would take more: {entries:.2e} entries in K"
         );
-        return (format!("{name}; Cholesky{note}: {entries:.2e} entries in K"), memory);
+        (solver, format!("about {} over all ranks", megabytes(all)))
     };
-    let solver = format!(
-        "{name}; Cholesky{note}: {entries:.2e} entries in K, {:.2e} in a factor, {:.2e} operations",
-        factor.entries, factor.operations
-    );
-    let factors = factors * factor.memory;
-    let memory = format!(
-        "about {:.0} MB: matrices {:.0} MB, factorisations {:.0} MB, over all ranks",
-        1e-6 * (matrices + factors),
-        1e-6 * matrices,
-        1e-6 * factors
-    );
-    (solver, memory)
+    let of_factors = stored((2.0 + sizes * (matrices - 2.0)) * entries, sizes * dense);
+    match linear {
+        Linear::None => {
+            let all = megabytes(stored(2.0 * entries + products, 0.0));
+            ("none: every unknown by itself".to_owned(), format!("about {all} over all ranks"))
+        }
+        Linear::Multigrid => {
+            iterative(MULTIGRID_MEMORY_FACTOR[usize::from(body.comm().size() > 1)], "multigrid (GAMG)")
+        }
+        Linear::Incomplete => iterative(INCOMPLETE_MEMORY_FACTOR, "incomplete factors"),
+        Linear::Cholesky(None) => (
+            format!("{name}; Cholesky{note}: {entries:.2e} entries in K"),
+            format!(
+                "about {} for matrices, over all ranks, and the factorisations, of which MUMPS would tell: this PETSc is without it",
+                megabytes(of_factors)
+            ),
+        ),
+        Linear::Cholesky(Some(factor)) => {
+            let solver = format!(
+                "{name}; Cholesky{note}: {entries:.2e} entries in K, {:.2e} in a factor, {:.2e} operations",
+                factor.entries, factor.operations
+            );
+            let factors = sizes * factor.memory;
+            let [all, matrices, factors] = [of_factors + factors, of_factors, factors].map(megabytes);
+            (solver, format!("about {all}: matrices {matrices}, factorisations {factors}, over all ranks"))
+        }
+    }
 }

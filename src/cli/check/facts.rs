@@ -7,8 +7,9 @@ use crate::model;
 use crate::scene::Measure;
 
 use super::super::notes::describe_model;
+use super::super::say_json;
 use super::Report;
-use super::text::{contact_time, support_line};
+use super::text::support_lines;
 
 /// Facts of a report. Numbers are in SI units; unknown values are null.
 #[derive(Serialize)]
@@ -62,8 +63,8 @@ struct ContactFacts {
     disc_radius: Option<f64>,
 }
 
-/// The report as one JSON object.
-pub(super) fn json(report: &Report) -> String {
+/// Prints the report as one JSON object.
+pub(super) fn print(report: &Report) {
     let Report { scene, measures, cost, .. } = report;
     let made = report.model.as_ref().ok();
     let impactor = &scene.impactor;
@@ -74,7 +75,7 @@ pub(super) fn json(report: &Report) -> String {
         bounds: measures.as_ref().map(|measures| measures.bounds),
         volume: measures.as_ref().map(|measures| measures.volume),
         surfaces: surfaces.map(|surface| Area { name: &surface.name, area: surface.area }).collect(),
-        supports: scene.supports.iter().map(support_line).collect(),
+        supports: support_lines(scene),
         model: made.map(|made| ModelFacts {
             theory: model::name(made.theory),
             description: describe_model(made, scene),
@@ -91,7 +92,7 @@ pub(super) fn json(report: &Report) -> String {
                 ForceLaw::Hertz(law) => Some(law.stiffness),
                 _ => None,
             },
-            duration: contact_time(scene),
+            duration: impactor.contact_time(),
             peak_force: impactor.peak_force(),
             area: scene.contact.area().map(ToString::to_string),
             patch_radius: made.and_then(|made| made.dynamics.patch()).map(|patch| patch.radius),
@@ -102,6 +103,5 @@ pub(super) fn json(report: &Report) -> String {
         warnings: &report.warnings,
         notes: &report.notes,
     };
-    // Names and numbers only: serialisation cannot fail.
-    serde_json::to_string_pretty(&facts).unwrap_or_default()
+    say_json(&facts);
 }

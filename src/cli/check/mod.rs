@@ -17,11 +17,11 @@ use crate::mesh::{Measures, Mesh};
 use crate::model::{Dynamics, Model, ModelContext};
 use crate::scene::{Geometry, Scene, Source};
 
+use super::Check;
 use super::follow::Follower;
 use super::interrupt::{Ending, Interrupt};
 use super::load::{Loaded, load};
 use super::notes::{self, Verdict, verdict};
-use super::{Check, say};
 use cost::Cost;
 
 /// Time after which the construction of a model stops without `--full`, s. A check should answer within five seconds.
@@ -56,11 +56,11 @@ struct Report<'a> {
 /// If the scene is wrong, or if a PETSc call fails.
 pub fn check(comm: &Comm, arguments: &Check) -> Result<()> {
     let begin = Instant::now();
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene)?;
     let deadline = (!arguments.full).then(|| begin + Duration::from_secs_f64(PATIENCE));
     let report = report(comm, (&scene, &source), deadline).map_err(|error| error.in_scene(&source))?;
     if comm.is_root() {
-        if arguments.json { say(format_args!("{}", facts::json(&report))) } else { text::print(&report) }
+        if arguments.json { facts::print(&report) } else { text::print(&report) }
     }
     Ok(())
 }
@@ -72,7 +72,7 @@ fn report<'a>(comm: &Comm, (scene, source): (&'a Scene, &Source), deadline: Opti
     let mut report = Report {
         scene,
         model,
-        mass: box_mass(scene),
+        mass: scene.body.mass(),
         measures: None,
         plan: scene.time.step.map(|step| Plan::Equal { step }),
         cost: None,
@@ -169,14 +169,6 @@ fn too_large(scene: &Scene, bytes: Option<u64>) -> Option<String> {
             unknowns.map(|unknowns| format!("about {unknowns:.1e} unknowns"))
         }
         Geometry::Box { .. } => None,
-    }
-}
-
-/// Mass of a box, kg; `None` for a mesh file.
-fn box_mass(scene: &Scene) -> Option<f64> {
-    match &scene.body.geometry {
-        Geometry::Box { .. } => scene.body.mass(),
-        Geometry::Gmsh(_) => None,
     }
 }
 

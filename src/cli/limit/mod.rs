@@ -11,7 +11,7 @@ use petsc_wrap::Comm;
 use crate::agree::decided;
 use crate::error::{Error, Result};
 use crate::record::lock::Lock;
-use crate::scene::{Model, Scene, Source, unit};
+use crate::scene::{Model, Scene, Source};
 use crate::study::limit::{Range, search};
 use crate::study::sweep::written;
 
@@ -20,9 +20,9 @@ use super::load::{Loaded, load};
 use super::notes::Remark;
 use super::run::{Beginning, Replaced, Written, check_output, solve};
 use super::sweep::of_base;
-use super::{Limit, note, notes, tell, warn_of_unused_options};
+use super::{Limit, note, notes, say_json, tell, warn_of_unused_options};
 use report::Report;
-use table::{header, line};
+use table::{header, line, with_unit};
 use trial::{Discretisation, Trial, trial};
 
 /// Searches for the limit; returns the exit status. It is also a valid answer that there is no limit in the range.
@@ -32,16 +32,12 @@ use trial::{Discretisation, Trial, trial};
 /// Any [`Error`].
 pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     let range = Range::parse(&arguments.vary).map_err(Error::Usage)?;
-    let Loaded { scene, source, .. } = load(comm, &arguments.scene, &arguments.overrides).map_err(of_base)?;
+    let Loaded { scene, source, .. } = load(comm, &arguments.scene).map_err(of_base)?;
     check(&scene, &range)?;
     // Values that do not give a valid scene are found before the first run.
     let has_output = arguments.output.is_some();
     for value in range.values() {
-        if has_output {
-            at_with_output(&source, &range, value)?
-        } else {
-            at(&source, &range, value)?
-        };
+        at(&source, &range, value, has_output)?;
     }
     // On rank 0: held until the end.
     let mut lock = None;
@@ -58,7 +54,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
     let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
     let mut trials: Vec<Trial> = Vec::new();
     let run = |value: f64, discretisation: Option<&Discretisation>| {
-        let (scene, source) = at(&source, &range, value)?;
+        let (scene, source) = at(&source, &range, value, false)?;
         trial(comm, (&scene, &source), discretisation, &interrupt).map_err(|error| named(error, &range, value))
     };
     // Theory and cells are those of the end of the range with the larger tension, where errors count most. One of the ends
@@ -87,19 +83,19 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
             Err(error) => return Err(error),
         }
     }
-    let report = Report::new(&range, scene.tolerance, &found, &trials);
-    if comm.is_root() {
+    let report = Report::new(&range, scene.tolerance, &found, &trials, arguments.output.as_deref());
+    if let Some(report) = report.filter(|_| comm.is_root()) {
         if arguments.json {
-            report.print_json(arguments.output.as_deref())
+            say_json(&report)
         } else {
             report.print()
         }
-        report.remarks().iter().for_each(|remark| tell(format_args!("{remark}")));
+        report.remarks().iter().for_each(|remark| tell(format_args!("warning: {remark}")));
         warn_of_unused_options(comm)?;
     }
     let status = match (&found.root, &arguments.output) {
         (Some(root), Some(output)) => {
-            let (scene, source) = at_with_output(&source, &range, root.at.value)?;
+            let (scene, source) = at(&source, &range, root.at.value, true)?;
             let of_theory = discretisation.as_ref().map(|discretisation| discretisation.of_theory);
             let written = Written { output, force: false, has_summary: false, of_theory };
             let scene = discretisation.map_or(scene.clone(), |discretisation| discretisation.of(&scene));
@@ -122,7 +118,7 @@ pub fn limit(comm: &Comm, arguments: &Limit) -> Result<i32> {
 fn odd_values((scene, source): (&Scene, &Source), range: &Range) -> Result<Vec<Remark>> {
     let mut remarks = notes::of_values(scene, source);
     for end in [range.from, range.to] {
-        let (scene, source) = at(source, range, end)?;
+        let (scene, source) = at(source, range, end, false)?;
         for remark in notes::of_values(&scene, &source) {
             if remarks.iter().all(|known| known.kind != remark.kind) {
                 remarks.push(remark);
@@ -145,32 +141,23 @@ fn check(scene: &Scene, range: &Range) -> Result<()> {
     Ok(())
 }
 
-/// The scene at a value, with its output.
-fn at_with_output(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
-    varied(source, range, value, None)
-}
-
-/// The scene at a value, without fields and probes, which the runs of the search do not keep. A probe could also lie
-/// outside a thinner plate.
-fn at(source: &Source, range: &Range, value: f64) -> Result<(Scene, Source)> {
-    let (mut scene, source) = varied(source, range, value, Some("output.probes=[]"))?;
-    scene.output.fields = None;
-    Ok((scene, source))
-}
-
-fn varied(source: &Source, range: &Range, value: f64, more: Option<&str>) -> Result<(Scene, Source)> {
+/// The scene at a value; without `has_output` it has no fields and no probes, which the runs of the search do not keep. A probe
+/// could also lie outside a thinner plate.
+fn at(source: &Source, range: &Range, value: f64, has_output: bool) -> Result<(Scene, Source)> {
     let given = format!("{}={}", range.key, written(value));
-    let all: Vec<String> = more.map(str::to_owned).into_iter().chain([given.clone()]).collect();
-    Ok(Scene::varied(source, &all).map_err(|error| {
+    let without_probes = (!has_output).then(|| "output.probes=[]".to_owned());
+    let all: Vec<String> = without_probes.into_iter().chain([given.clone()]).collect();
+    let (mut scene, source) = Scene::varied(source, &all).map_err(|error| {
         // If the error concerns the key itself, the message already contains the value.
         if error.message().contains(&given) { error } else { error.remarked(&of_value(range, value)) }
-    })?)
+    })?;
+    scene.output.fields = scene.output.fields.filter(|_| has_output);
+    Ok((scene, source))
 }
 
 /// Words for the value of a run, for messages.
 fn of_value(range: &Range, value: f64) -> String {
-    let unit = unit(&range.key);
-    format!("at {} = {}{}", range.key, written(value), if unit == "1" { String::new() } else { format!(" {unit}") })
+    format!("at {} = {}", range.key, with_unit(&written(value), &range.key))
 }
 
 /// Adds the value of the run to the message of an error.

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::scene::{Vec3, unit};
+use crate::scene::unit;
 use crate::study::limit::{Found, Range};
 
 use crate::record::stress::StrengthVerdict;
 
 use super::super::{coordinate, say, short};
-use super::table::{UNCERTAINTY, VALUE, significant};
+use super::table::{UNCERTAINTY, VALUE, significant, with_unit};
 use super::trial::{Trial, Utilisation};
 
 /// Position of the range relative to the strength.
@@ -38,52 +38,33 @@ pub(super) struct Report<'a> {
     /// Verdict on the whole range: "not exceeded" needs an estimate in every run.
     verdict: &'static str,
     /// Run with the largest ratio of tension to strength.
-    largest: RunFacts<'a>,
+    largest: &'a Trial,
     /// Run with the smallest ratio of tension to strength.
-    smallest: RunFacts<'a>,
+    smallest: &'a Trial,
     runs: usize,
     /// Number of runs added to the grid where a lower limit could be hidden.
     added: usize,
     /// Whether the curvature of the ratio excludes a lower limit in all intervals below.
     is_lowest_by_curvature: bool,
-    samples: Vec<RunFacts<'a>>,
+    /// All runs by ascending value.
+    samples: Vec<&'a Trial>,
+    /// Path of the result that is written.
+    output: Option<&'a Path>,
     #[serde(skip)]
     warnings: &'a [String],
 }
 
 #[derive(Debug, Serialize)]
 struct LimitFacts<'a> {
-    value: f64,
+    #[serde(flatten)]
+    run: &'a Trial,
     uncertainty: f64,
-    ratio: f64,
-    tension: f64,
-    strength: f64,
-    face: &'a str,
-    time: f64,
-    point: Vec3,
-    peak_force: f64,
     is_jump: bool,
     is_converged: bool,
     /// On which side of the limit the strength is not exceeded: "below" or "above".
     safe_side: &'static str,
     /// Nearest computed value above the limit that contradicts this, because there is another limit.
     crossed_again_at: Option<f64>,
-}
-
-#[derive(Debug, Clone, Serialize)]
-struct RunFacts<'a> {
-    value: f64,
-    ratio: f64,
-    tension: f64,
-    face: &'a str,
-    time: f64,
-}
-
-impl<'a> From<&'a Trial> for RunFacts<'a> {
-    fn from(Trial { value, utilisation }: &'a Trial) -> Self {
-        let Utilisation { ratio, tension, face, time, .. } = utilisation;
-        Self { value: *value, ratio: *ratio, tension: *tension, face, time: *time }
-    }
 }
 
 /// The lowest computed value above the limit at which the strength is exceeded, if it is not exceeded just above the limit,
@@ -94,37 +75,35 @@ fn crossed_again(trials: &[Trial], limit: f64, is_rising: bool) -> Option<f64> {
 }
 
 impl<'a> Report<'a> {
-    /// Report on a search with at least one run.
-    pub fn new(range: &'a Range, tolerance: f64, found: &Found, trials: &'a [Trial]) -> Self {
+    /// Report on a search, with the path of the result to be written; `None` without a run.
+    pub fn new(
+        range: &'a Range,
+        tolerance: f64,
+        found: &Found,
+        trials: &'a [Trial],
+        output: Option<&'a Path>,
+    ) -> Option<Self> {
         let at = found.root.and_then(|root| trials.iter().find(|trial| trial.value == root.at.value).zip(Some(root)));
-        let limit = at.map(|(Trial { value, utilisation }, root)| {
+        let limit = at.map(|(run, root)| {
             // Not smaller than the tolerance, even if the estimated error is.
-            let error = utilisation.error_estimate;
+            let error = run.utilisation.error_estimate;
             let error = if error.is_nan() { error } else { error.max(tolerance) };
             LimitFacts {
-                value: *value,
-                uncertainty: (error + utilisation.ratio.ln().abs()) * root.sensitivity,
-                ratio: utilisation.ratio,
-                tension: utilisation.tension,
-                strength: utilisation.strength,
-                face: &utilisation.face,
-                time: utilisation.time,
-                point: utilisation.point,
-                peak_force: utilisation.peak_force,
+                run,
+                uncertainty: (error + run.utilisation.ratio.ln().abs()) * root.sensitivity,
                 is_jump: root.is_jump,
                 is_converged: root.is_converged,
                 safe_side: if root.is_rising { "below" } else { "above" },
-                crossed_again_at: crossed_again(trials, *value, root.is_rising),
+                crossed_again_at: crossed_again(trials, run.value, root.is_rising),
             }
         });
-        let mut samples: Vec<RunFacts> = trials.iter().map(RunFacts::from).collect();
+        let mut samples: Vec<&Trial> = trials.iter().collect();
         samples.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let by_ratio = |a: &&RunFacts, b: &&RunFacts| a.ratio.total_cmp(&b.ratio);
-        let none = || RunFacts { value: f64::NAN, ratio: f64::NAN, tension: f64::NAN, face: "", time: f64::NAN };
-        let outcome = match (found.root, samples.first()) {
+        let by_ratio = |a: &&&Trial, b: &&&Trial| a.utilisation.ratio.total_cmp(&b.utilisation.ratio);
+        let outcome = match (found.root, samples.first()?) {
             (Some(root), _) if root.is_rising => Outcome::Reached,
             (Some(_), _) => Outcome::PassedUpToValue,
-            (None, Some(first)) if first.ratio >= 1.0 => Outcome::PassedEverywhere,
+            (None, first) if first.utilisation.ratio >= 1.0 => Outcome::PassedEverywhere,
             (None, _) => Outcome::ReachedNowhere,
         };
         let verdicts: Vec<StrengthVerdict> = trials.iter().map(|trial| trial.utilisation.verdict()).collect();
@@ -133,47 +112,35 @@ impl<'a> Report<'a> {
         // Without a limit, the warnings are those of the first run that leaves it open.
         let undecided = trials.iter().find(|trial| trial.utilisation.verdict() == StrengthVerdict::Undecided);
         let told = at.map(|(trial, _)| trial).or(undecided);
-        Self {
+        Some(Self {
             key: &range.key,
             unit: unit(&range.key),
             range: [range.from, range.to],
             outcome,
+            output: output.filter(|_| limit.is_some()),
             limit,
             verdict,
-            largest: samples.iter().max_by(by_ratio).cloned().unwrap_or_else(none),
-            smallest: samples.iter().min_by(by_ratio).cloned().unwrap_or_else(none),
+            largest: samples.iter().max_by(by_ratio)?,
+            smallest: samples.iter().min_by(by_ratio)?,
             runs: trials.len(),
             added: found.added,
             is_lowest_by_curvature: found.is_complete,
             samples,
             warnings: told.map_or(&[], |trial| &trial.utilisation.warnings),
-        }
-    }
-
-    /// Prints the report as one JSON object, with the path of the result to be written.
-    pub fn print_json(&self, output: Option<&Path>) {
-        #[derive(Serialize)]
-        struct WithOutput<'a> {
-            #[serde(flatten)]
-            report: &'a Report<'a>,
-            output: Option<&'a Path>,
-        }
-        let facts = WithOutput { report: self, output: output.filter(|_| self.limit.is_some()) };
-        // Names and numbers only: serialisation cannot fail. NaN becomes null.
-        say(format_args!("{}", serde_json::to_string_pretty(&facts).unwrap_or_default()));
+        })
     }
 
     /// Prints the report in a few lines.
     pub fn print(&self) {
         let [from, to] = self.range.map(|end| self.shown(end));
-        let of = |run: &RunFacts| format!("{}, at {} = {}", short(run.ratio), self.key, self.shown(run.value));
+        let of = |run: &Trial| format!("{}, at {} = {}", short(run.utilisation.ratio), self.key, self.shown(run.value));
         match (&self.limit, self.outcome) {
             (Some(limit), _) => self.print_limit(limit),
             (None, Outcome::PassedEverywhere) => say(format_args!(
                 "the strength is already exceeded at the lower end, and everywhere from {from} to {to}: the ratio of tension to strength is \
                  at most {}, and at least {}",
-                of(&self.largest),
-                of(&self.smallest)
+                of(self.largest),
+                of(self.smallest)
             )),
             (None, _) => {
                 let is_open = self.verdict == StrengthVerdict::Undecided.name();
@@ -181,7 +148,7 @@ impl<'a> Report<'a> {
                     if is_open { "; with the errors of the tension, whether it is exceeded is undecided" } else { "" };
                 say(format_args!(
                     "the strength is reached nowhere from {from} to {to}: the largest ratio of tension to strength is {}{open}",
-                    of(&self.largest)
+                    of(self.largest)
                 ));
             }
         }
@@ -189,16 +156,19 @@ impl<'a> Report<'a> {
     }
 
     fn print_limit(&self, limit: &LimitFacts) {
-        let unit = if self.unit == "1" { String::new() } else { format!(" {}", self.unit) };
-        let value = significant(limit.value, VALUE);
+        let Trial { value, utilisation } = limit.run;
+        let Utilisation { ratio, strength, face, time, point, peak_force, .. } = utilisation;
+        let (lower, value) = (self.samples.iter().filter(|run| run.value < *value).count(), significant(*value, VALUE));
         let value = match limit.uncertainty {
-            none if none.is_nan() => format!("{value}{unit}, without an estimate of its uncertainty"),
-            uncertainty => format!("{value} ± {}{unit}", significant(uncertainty, UNCERTAINTY)),
+            none if none.is_nan() => {
+                format!("{}, without an estimate of its uncertainty", with_unit(&value, self.key))
+            }
+            uncertainty => format!("{value} ± {}", with_unit(&significant(uncertainty, UNCERTAINTY), self.key)),
         };
         say(format_args!(
             "limit: {} = {value}, where the largest tension is {} of the strength; the strength is not exceeded {} it{}",
             self.key,
-            short(limit.ratio),
+            short(*ratio),
             limit.safe_side,
             match (limit.crossed_again_at, limit.safe_side) {
                 (None, _) => String::new(),
@@ -206,13 +176,12 @@ impl<'a> Report<'a> {
                 (Some(value), _) => format!(", but it is exceeded at {}", self.shown(value)),
             }
         ));
-        let [x, y, z] = limit.point.map(coordinate);
+        let [x, y, z] = point.map(coordinate);
         say(format_args!(
-            "strength {} MPa reached on face {:?} at {} ms, at [{x}, {y}, {z}] m; peak force {} N",
-            short(1e-6 * limit.strength),
-            limit.face,
-            short(1e3 * limit.time),
-            short(limit.peak_force)
+            "strength {} MPa reached on face {face:?} at {} ms, at [{x}, {y}, {z}] m; peak force {} N",
+            short(1e-6 * strength),
+            short(1e3 * time),
+            short(*peak_force)
         ));
         let from = self.shown(self.range[0]);
         let below = match self.outcome {
@@ -221,7 +190,6 @@ impl<'a> Report<'a> {
             }
             _ => format!("no lower value from {from} on reaches the strength"),
         };
-        let lower = self.samples.iter().filter(|run| run.value < limit.value).count();
         let rest = match self.is_lowest_by_curvature {
             true => "the curvature of the tension between them allows no other limit",
             false => "another limit may lie between them",
@@ -236,40 +204,39 @@ impl<'a> Report<'a> {
 
     /// Warnings about the answer, for standard error.
     pub fn remarks(&self) -> Vec<String> {
-        let mut remarks: Vec<String> = self.warnings.iter().map(|warning| format!("warning: {warning}")).collect();
-        if self.limit.as_ref().is_some_and(|limit| limit.is_jump) {
-            remarks.push(format!(
-                "warning: the tension jumps at the limit of {}: no value near it is just at the strength",
-                self.key
-            ));
-        }
-        if self.limit.as_ref().is_some_and(|limit| !limit.is_converged) {
-            remarks.push(format!(
-                "warning: the search stopped after {} runs, before the limit of {} was accurate enough: search a smaller range",
-                self.runs, self.key
-            ));
-        }
-        if let Some(value) = self.limit.as_ref().and_then(|limit| limit.crossed_again_at) {
-            remarks.push(format!(
-                "warning: between the limit and {} = {} there is another limit; \
-                 search smaller ranges",
-                self.key,
-                self.shown(value)
-            ));
+        let mut remarks = self.warnings.to_vec();
+        if let Some(LimitFacts { is_jump, is_converged, crossed_again_at, .. }) = self.limit {
+            if is_jump {
+                remarks.push(format!(
+                    "the tension jumps at the limit of {}: no value near it is just at the strength",
+                    self.key
+                ));
+            }
+            if !is_converged {
+                remarks.push(format!(
+                    "the search stopped after {} runs, before the limit of {} was accurate enough: search a smaller range",
+                    self.runs, self.key
+                ));
+            }
+            if let Some(value) = crossed_again_at {
+                remarks.push(format!(
+                    "between the limit and {} = {} there is another limit; search smaller ranges",
+                    self.key,
+                    self.shown(value)
+                ));
+            }
         }
         if !self.is_lowest_by_curvature {
-            let message = "warning: between the values that were computed the tension may reach the strength elsewhere: search a smaller range";
+            let message = "between the values that were computed the tension may reach the strength elsewhere: search a smaller range";
             remarks.push(message.to_owned());
         }
-        let is_idle = self.samples.len() > 1 && self.largest.ratio.to_bits() == self.smallest.ratio.to_bits();
-        if is_idle {
-            remarks.push(format!("warning: --vary {} has no effect on the tension", self.key));
+        if self.samples.len() > 1 && self.largest.utilisation.ratio == self.smallest.utilisation.ratio {
+            remarks.push(format!("--vary {} has no effect on the tension", self.key));
         }
         remarks
     }
 
     fn shown(&self, value: f64) -> String {
-        let value = significant(value, VALUE);
-        if self.unit == "1" { value } else { format!("{value} {}", self.unit) }
+        with_unit(&significant(value, VALUE), self.key)
     }
 }

@@ -22,15 +22,19 @@ pub(super) fn line(range: &Range, number: usize, Trial { value, utilisation }: &
 
 /// Header of the key's column, and its width in characters.
 fn column(range: &Range) -> (String, usize) {
-    let key = with_unit(range);
+    let key = match unit(&range.key) {
+        "1" => range.key.clone(),
+        unit => format!("{}/({unit})", range.key),
+    };
     let width = key.len().max(10);
     (key, width)
 }
 
-fn with_unit(range: &Range) -> String {
-    match unit(&range.key) {
-        "1" => range.key.clone(),
-        unit => format!("{}/({unit})", range.key),
+/// A value of a key with its unit.
+pub(super) fn with_unit(value: &str, key: &str) -> String {
+    match unit(key) {
+        "1" => value.to_owned(),
+        unit => format!("{value} {unit}"),
     }
 }
 

@@ -22,16 +22,17 @@ use super::super::notes::{Verdict, missing_faces, verdict};
 use super::super::summary::Summary;
 
 /// A value of the key, with the result of its run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub(super) struct Trial {
     /// Value of the key.
     pub value: f64,
     /// Result of the run.
+    #[serde(flatten)]
     pub utilisation: Utilisation,
 }
 
 /// Largest ratio of tension to strength in a run, with its place and time.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Utilisation {
     /// Ratio of tension to strength.
     pub ratio: f64,
@@ -57,42 +58,35 @@ pub(super) struct Utilisation {
 }
 
 impl Utilisation {
-    /// State before the first step.
-    fn new() -> Self {
-        let none = f64::NAN;
-        Self {
-            ratio: none,
-            face: String::new(),
-            tension: none,
-            strength: none,
-            time: none,
-            point: [none; 3],
-            peak_force: 0.0,
-            error_estimate: none,
-            without_estimate: String::new(),
-            warnings: Vec::new(),
-        }
-    }
-
     /// Verdict on the strength.
     pub fn verdict(&self) -> StrengthVerdict {
         StrengthVerdict::of(self.ratio, 1.0, self.error_estimate)
     }
+}
 
-    /// Takes a step into account.
-    fn take(&mut self, step: &Step, tensions: &[FaceTension], faces: &[String], strengths: &[Option<f64>]) {
-        self.peak_force = self.peak_force.max(step.contact.force);
-        for ((tension, face), strength) in tensions.iter().zip(faces).zip(strengths) {
-            let Some(strength) = *strength else { continue };
-            let ratio = tension.largest / strength;
-            // False for NaN, the initial value.
-            if ratio.is_nan() || self.ratio >= ratio {
-                continue;
-            }
-            self.face.clone_from(face);
-            (self.ratio, self.tension, self.strength) = (ratio, tension.largest, strength);
-            (self.time, self.point) = (step.time, tension.point);
+/// Takes a step into account in the largest ratio so far.
+fn take(
+    most: &mut Option<Utilisation>,
+    step: &Step,
+    tensions: &[FaceTension],
+    faces: &[String],
+    strengths: &[Option<f64>],
+) {
+    for ((tension, face), strength) in tensions.iter().zip(faces).zip(strengths) {
+        let Some(strength) = *strength else { continue };
+        let ratio = tension.largest / strength;
+        if ratio.is_nan() || most.as_ref().is_some_and(|most| most.ratio >= ratio) {
+            continue;
         }
+        *most = Some(Utilisation {
+            ratio,
+            face: face.clone(),
+            tension: tension.largest,
+            strength,
+            time: step.time,
+            point: tension.point,
+            ..Utilisation::default()
+        });
     }
 }
 
@@ -161,14 +155,15 @@ pub(super) fn trial(
         return Err(Error::Usage(format!("no face of the body has a strength: its faces are {faces}")));
     }
     warnings.extend(missing_faces(scene, &faces).map(|remark| remark.text));
-    let (mut summary, mut most) = (Summary::default().following(linearity), Utilisation::new());
+    let (mut summary, mut most, mut peak_force) = (Summary::default().following(linearity), None, 0.0_f64);
     let mut contacts = Episodes::default();
     let flow = impact.run_watched(&mut Until {
         interrupted: &|| interrupt.is_raised(comm),
         take: |step: &Step, reading: &Reading| {
             summary.step(step);
             contacts.push(step);
-            most.take(step, &reading.faces, &faces, &strengths);
+            peak_force = peak_force.max(step.contact.force);
+            take(&mut most, step, &reading.faces, &faces, &strengths);
         },
     })?;
     if flow.is_break() {
@@ -176,29 +171,26 @@ pub(super) fn trial(
     }
     let first_end = contacts.all().first().map(|first| first.end);
     let estimate = impact.error();
-    let largest = LargestTension { value: most.tension, time: most.time, point: most.point, ..Default::default() };
-    let largest = largest.with_error(&estimate.of_tension(), scene, first_end);
-    most.error_estimate = estimate.total().map_or(f64::NAN, |errors| errors.first_contact.max(largest.error_estimate));
     warnings.extend(summary.warning());
     warnings.extend(summary.warning_of_end());
-    let ratio = "the largest ratio of tension to strength";
-    match (largest.without_estimate.as_str(), largest.without_estimate.strip_prefix("it is ")) {
-        ("", _) => {}
-        (_, Some(place)) => warnings.push(format!("{ratio} is {place}: its error is not estimated")),
-        (why, None) => warnings.push(format!("the error of {ratio} is not estimated: {why}")),
-    }
-    if !largest.without_estimate.is_empty() {
-        most.error_estimate = f64::NAN;
-    }
-    most.without_estimate = largest.without_estimate;
-    most.warnings = warnings;
+    let most = most.map(|most| {
+        let largest = LargestTension { value: most.tension, time: most.time, point: most.point, ..Default::default() };
+        let LargestTension { error_estimate, without_estimate, .. } =
+            largest.with_error(&estimate.of_tension(), scene, first_end);
+        let of_acceleration = estimate.total().map_or(f64::NAN, |errors| errors.first_contact);
+        let ratio = "the largest ratio of tension to strength";
+        match (without_estimate.as_str(), without_estimate.strip_prefix("it is ")) {
+            ("", _) => {}
+            (_, Some(place)) => warnings.push(format!("{ratio} is {place}: its error is not estimated")),
+            (why, None) => warnings.push(format!("the error of {ratio} is not estimated: {why}")),
+        }
+        let error_estimate = if without_estimate.is_empty() { of_acceleration.max(error_estimate) } else { f64::NAN };
+        Utilisation { peak_force, error_estimate, without_estimate, warnings, ..most }
+    });
     drop(impact);
     comm.collect_garbage()?;
-    let most = of_root(comm, comm.is_root().then_some(most));
-    if most.ratio.is_nan() {
-        return Err(Error::Solve("no tension was found on a face that has a strength".to_owned()));
-    }
-    Ok((most, discretisation))
+    let none = || Error::Solve("no tension was found on a face that has a strength".to_owned());
+    Ok((of_root(comm, Some(most)).ok_or_else(none)?, discretisation))
 }
 
 /// Message for a theory without faces.

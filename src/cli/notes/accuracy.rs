@@ -36,7 +36,7 @@ pub fn describe_model(model: &Model, scene: &Scene) -> String {
 }
 
 /// Error over the whole history relative to the error in the first contact, above which later times are more sensitive.
-pub const GROWTH: f64 = 1.2;
+const GROWTH: f64 = 1.2;
 
 /// Note on a basis that may lack the rotations of a free body.
 pub const UNESTIMATED_ROTATIONS: &str = "the error of the deflection under the impactor is not estimated: nothing holds the body, and the basis may lack its rotations. \
@@ -56,8 +56,7 @@ pub fn verdict(model: &Model, scene: &Scene) -> Option<Verdict> {
         "the estimated error{of_what}{part} is {} of the peak, above accuracy.tolerance = {tolerance:e} (estimated for {of}); \
          {}",
         beside(error, tolerance),
-        remedies(&estimate, &estimate.causes_to_mend(scene.measure, tolerance), scene, |errors| errors
-            .of(scene.measure))
+        remedies_of_measure(&estimate, scene)
     );
     Some(Verdict { message, is_useless: error.is_nan() || error > USELESS })
 }
@@ -117,9 +116,8 @@ pub fn of_deflection(estimate: &ErrorEstimate, scene: &Scene) -> Vec<String> {
             _ => "; accuracy.quantity = \"deflection\" may lower this error",
         };
         notes.push(format!(
-            "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value. \
-             Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only{remedy}",
-            estimated(error)
+            "{}. Deflections elsewhere may have errors as large. accuracy.tolerance applies to the {applies} only{remedy}",
+            of_large_deflection_error(error)
         ));
     }
     if of_basis.is_some_and(f64::is_nan) && model::may_lack_rotations(scene) {
@@ -168,8 +166,7 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     let (measure, tolerance) = (scene.measure, scene.tolerance);
     let mut missed = Vec::new();
     let is_for_another_place = largest.error_estimate.is_nan() && !estimate.of_tension().stress.is_nan();
-    let remedies_of_measure =
-        || remedies(estimate, &estimate.causes_to_mend(measure, tolerance), scene, |errors| errors.of(measure));
+    let remedies_of_measure = || remedies_of_measure(estimate, scene);
     if measure == Measure::Stress && is_for_another_place {
         let (error, help) = if errors.stress > tolerance {
             (beside(errors.stress, tolerance), format!("; {}", remedies_of_measure()))
@@ -199,34 +196,57 @@ pub fn missed(estimate: &ErrorEstimate, scene: &Scene, was_warned: bool, largest
     }
     missed.extend(of_tension(estimate, scene, largest.error_estimate));
     missed.extend(of_deflection(estimate, scene));
-    // The verdict has named an error that hardly grows after the first contact.
-    let grows = errors.history > GROWTH * errors.first_contact;
-    let is_told = was_warned && measure == Measure::Acceleration && !grows;
-    if errors.history > tolerance && !is_told {
-        let error = beside(errors.history, tolerance);
-        let later = if grows { ": later times are more sensitive" } else { "" };
-        let of_what = if measure == Measure::Acceleration { "" } else { " of the acceleration" };
-        let scope = scope_of_tolerance(measure);
+    let was_told = was_warned && measure == Measure::Acceleration;
+    if let Some(above) = history_above([errors.first_contact, errors.history], [measure; 2], tolerance, was_told) {
         let step = match scene.time.step {
             Some(_) => "; the error of the given time.step is not included",
             None => "",
         };
-        missed.push(format!(
-            "the estimated error{of_what} over the whole history is {error} of the peak, above accuracy.tolerance = {tolerance:e}, which is for {scope}{later}; \
-             {}{step}",
-            remedies(estimate, &estimate.main_causes_of_history(), scene, |errors| errors.history)
-        ));
+        let remedies = remedies(estimate, &estimate.main_causes_of_history(), scene, |errors| errors.history);
+        missed.push(format!("{above}; {remedies}{step}"));
     }
     missed
 }
 
-/// What the tolerance applies to, in a remark on the whole history.
-pub fn scope_of_tolerance(measure: Measure) -> &'static str {
-    match measure {
+/// Text that the error of the acceleration over the whole history is above the tolerance, which applies to `measure`, and for
+/// this result to `scope`; `None` if it is not, or if a warning about the first contact was told and the error hardly grows
+/// after it.
+pub fn history_above(
+    [first, whole]: [f64; 2],
+    [measure, scope]: [Measure; 2],
+    tolerance: f64,
+    was_told: bool,
+) -> Option<String> {
+    let grows = whole > GROWTH * first;
+    if whole.is_nan() || whole <= tolerance || was_told && !grows {
+        return None;
+    }
+    let later = if grows { ": later times are more sensitive" } else { "" };
+    let of_what = if measure == Measure::Acceleration { "" } else { " of the acceleration" };
+    let scope = match scope {
         Measure::Acceleration => "the first contact",
         Measure::Stress => "the largest tension in the first contact",
         Measure::Deflection => "the deflection and, in the first contact, the acceleration",
-    }
+    };
+    Some(format!(
+        "the estimated error{of_what} over the whole history is {} of the peak, above accuracy.tolerance = {tolerance:e}, which is for \
+         {scope}{later}",
+        beside(whole, tolerance)
+    ))
+}
+
+/// Text about a large error of the deflection.
+pub fn of_large_deflection_error(error: f64) -> String {
+    format!(
+        "the estimated error of the deflection under the impactor, over the whole history, is {} of its largest value",
+        estimated(error)
+    )
+}
+
+/// Settings that may reduce the error that the tolerance applies to: a clause.
+fn remedies_of_measure(estimate: &ErrorEstimate, scene: &Scene) -> String {
+    let causes = estimate.causes_to_mend(scene.measure, scene.tolerance);
+    remedies(estimate, &causes, scene, |errors| errors.of(scene.measure))
 }
 
 /// Settings that may reduce the errors of these causes: a clause. `error` selects the error that is too large.
@@ -314,15 +334,14 @@ mod tests {
         shown.into_iter().for_each(|(number, text)| assert_eq!(beside(number, 1e-2), text));
     }
 
+    /// Errors with these of the stress and of the whole history.
+    fn of_stress(stress: f64, history: f64) -> Errors {
+        Errors { history, stress, stress_history: stress, ..Errors::throughout(1e-3) }
+    }
+
     #[test]
     fn a_tolerance_for_stresses_is_held_against_stresses() {
-        let errors = |history: f64, stress: f64| Errors {
-            first_contact: 1e-3,
-            history,
-            stress,
-            stress_history: stress,
-            deflection: 1e-3,
-        };
+        let errors = |history: f64, stress: f64| of_stress(stress, history);
         let told = |errors: Errors, measure: Measure, was_warned: bool| {
             let estimate = ErrorEstimate::default().with(Cause::Cells, errors);
             let largest = LargestTension { error_estimate: errors.stress, ..LargestTension::default() };
@@ -347,11 +366,7 @@ mod tests {
     /// A large error of the tension is noted only if the tolerance is smaller and applies to another quantity.
     #[test]
     fn a_large_error_of_the_tension_is_noted() {
-        let estimate = |stress: f64| {
-            let errors =
-                Errors { first_contact: 1e-3, history: 1e-3, stress, stress_history: stress, deflection: 1e-3 };
-            ErrorEstimate::default().with(Cause::Cells, errors)
-        };
+        let estimate = |stress: f64| ErrorEstimate::default().with(Cause::Cells, of_stress(stress, 1e-3));
         let noted = |stress: f64, measure: Measure, tolerance: f64| {
             of_tension(&estimate(stress), &Scene { measure, tolerance, ..pane("") }, stress)
         };
@@ -369,28 +384,6 @@ mod tests {
         assert_eq!(noted(0.2, Measure::Acceleration, 0.3), None);
         assert_eq!(noted(0.09, Measure::Acceleration, 1e-2), None);
         assert_eq!(noted(f64::NAN, Measure::Acceleration, 1e-2), None);
-    }
-
-    /// If the largest tension is at a clamped edge, its error is not estimated: the note says which tension the
-    /// tolerance is for, and does not call it the largest.
-    #[test]
-    fn a_tolerance_for_stresses_is_for_what_is_estimated() {
-        // Each cause is within the tolerance; both together may be above it.
-        for (stress, is_above) in [(9e-3, true), (5e-3, false)] {
-            let errors =
-                Errors { first_contact: 1e-3, history: 1e-3, stress, stress_history: stress, deflection: 1e-3 };
-            let estimate = ErrorEstimate::default().with(Cause::Cells, errors).with(Cause::Basis, errors);
-            let scene = Scene { measure: Measure::Stress, ..pane("") };
-            for was_warned in [true, false] {
-                let told = missed(&estimate, &scene, was_warned, &LargestTension::default());
-                assert!(
-                    matches!(&told[..], [one] if one.contains("for the tension under the impact point")
-                        && one.contains("the error of the largest tension is not estimated")
-                        && one.contains("what may lower it") == is_above),
-                    "{told:?}"
-                );
-            }
-        }
     }
 
     /// Finer cells do not reduce the error of the local field. For a laminate the advice is the solid, for a body of one

@@ -187,43 +187,31 @@ pub(super) mod tests {
     use super::*;
 
     /// A pane that is hit by an impactor without a radius.
-    pub const PANE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.8, 0.5, 0.012]\n\
+    const PANE: &str = "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.8, 0.5, 0.012]\n\
          [[support]]\nsurface = \"side\"\nkind = \"elastic\"\nstiffness = 1e9\n\
          [impactor]\nmass = 1.0\nspeed = 3.0\n[contact]\nlaw = \"power\"\nstiffness = 1e6\nexponent = 1\n[time]\nend = 0.008\n";
 
-    /// A contact radius larger than the distance to the nearest edge gives a warning, by any law. Farther inside there is
-    /// none.
-    #[test]
-    fn a_contact_that_an_edge_cuts_off_is_noted() {
-        let is_cut = |x: f64, law: &str| {
-            let text = format!(
-                "[body]\nyoung = 70e9\npoisson = 0.23\ndensity = 2500.0\nsize = [0.8, 0.5, 0.012]\n\
-                 [impactor]\nmass = 1.0\nradius = 0.03\nyoung = 3e9\npoisson = 0.3\nspeed = 3.0\npoint = [{x}, 0.1, 0.006]\n\
-                 [time]\nend = 0.008\n{law}"
-            );
-            let scene = Scene::parse("scene", &text, &[]).expect("a scene").0;
-            of_geometry(&scene, None).iter().any(|warning| warning.kind == "contact at an edge")
-        };
-        // With F = k α, the indentation at a wall is v √(m/k) = 3 mm; √(R α) = 9.5 mm.
-        let soft = "[contact]\nlaw = \"power\"\nstiffness = 1e6\nexponent = 1.0\n";
-        assert!(is_cut(0.397, "") && !is_cut(0.39, "") && !is_cut(0.0, ""));
-        assert!(is_cut(0.391, soft) && !is_cut(0.39, soft));
+    /// The scene [`PANE`] with overrides.
+    pub fn pane(overrides: &[&str]) -> Scene {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        Scene::parse("scene", PANE, &overrides).expect("a scene").0
+    }
+
+    fn is_noted(kind: &str, overrides: &[&str]) -> bool {
+        of_geometry(&pane(overrides), None).iter().any(|warning| warning.kind == kind)
     }
 
     /// A table in mm and kN has forces far below the weight of the impactor; a direction along the face is no impact.
     #[test]
     fn units_of_a_law_and_a_grazing_direction_are_noted() {
-        let noted = |kind: &str, overrides: &[&str]| {
-            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-            let scene = Scene::parse("scene", PANE, &overrides).expect("a scene").0;
-            of_geometry(&scene, None).iter().any(|warning| warning.kind == kind)
-        };
         let table = |points: &str| {
-            noted("units of a law", &["contact={}", "contact.law=table", &format!("contact.table={points}")])
+            let table = format!("contact.table={points}");
+            is_noted("units of a law", &["contact={}", "contact.law=table", &table])
         };
         assert!(table("[[0,0],[100,4]]") && !table("[[0,0],[0.1,4000]]"));
         let along = |direction: &str| {
-            noted("grazing direction", &["impactor.point=[0,0,0.006]", &format!("impactor.direction={direction}")])
+            let direction = format!("impactor.direction={direction}");
+            is_noted("grazing direction", &["impactor.point=[0,0,0.006]", &direction])
         };
         assert!(along("[1,0,-0.05]") && !along("[1,0,-0.2]") && !along("[0,0,-1]"));
     }
@@ -231,14 +219,9 @@ pub(super) mod tests {
     /// Without the size of the contact, tensions are those of a force at one point. Either radius gives the size.
     #[test]
     fn a_contact_without_size_is_warned_of() {
-        let is_warned = |overrides: &[&str]| {
-            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-            let scene = Scene::parse("scene", PANE, &overrides).expect("a scene").0;
-            of_geometry(&scene, None).iter().any(|warning| warning.kind == "no radius")
-        };
-        assert!(is_warned(&[]));
+        assert!(is_noted("no radius", &[]));
         for key in ["impactor.radius=0.05", "contact.patch_radius=0.01", "output.stress=false"] {
-            assert!(!is_warned(&[key]), "{key}");
+            assert!(!is_noted("no radius", &[key]), "{key}");
         }
     }
 }

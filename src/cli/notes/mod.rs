@@ -7,8 +7,8 @@ mod scene;
 
 use super::{note, tell};
 pub use accuracy::{
-    GROWTH, UNESTIMATED_ROTATIONS, Verdict, describe_model, missed, note_of_measure, of_deflection, of_tension,
-    remedy_of_tension, scope_of_tolerance, verdict,
+    UNESTIMATED_ROTATIONS, Verdict, describe_model, history_above, missed, note_of_measure, of_deflection,
+    of_large_deflection_error, of_tension, remedy_of_tension, verdict,
 };
 pub use doubts::of_values;
 pub use geometry::of_geometry;
@@ -40,14 +40,14 @@ pub struct Said {
 }
 
 impl Said {
-    /// Adds a warning.
-    pub fn warn(&mut self, text: &str) {
-        self.lines.push(format!("warning: {text}"));
+    /// Adds warnings.
+    pub fn warn(&mut self, texts: impl IntoIterator<Item = String>) {
+        self.lines.extend(texts.into_iter().map(|text| format!("warning: {text}")));
     }
 
-    /// Adds a note.
-    pub fn note(&mut self, text: &str) {
-        self.lines.push(format!("note: {text}"));
+    /// Adds notes.
+    pub fn note(&mut self, texts: impl IntoIterator<Item = String>) {
+        self.lines.extend(texts.into_iter().map(|text| format!("note: {text}")));
     }
 
     /// Number of remarks.
@@ -70,7 +70,7 @@ impl Said {
 }
 
 /// Texts of remarks.
-pub fn texts(remarks: Vec<Remark>) -> Vec<String> {
+pub fn texts(remarks: impl IntoIterator<Item = Remark>) -> Vec<String> {
     remarks.into_iter().map(|remark| remark.text).collect()
 }
 

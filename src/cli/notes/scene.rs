@@ -268,15 +268,14 @@ fn unused(scene: &Scene) -> Option<&'static str> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::geometry::tests::PANE;
+    use super::super::geometry::tests::pane;
     use super::*;
 
     /// There is no note if the radius of the disc is as given, or if none is given.
     #[test]
     fn a_changed_radius_of_the_disc_is_noted() {
         let noted = |given: &str, radius: f64| {
-            let scene = Scene::parse("scene", PANE, &[given.to_owned()]).expect("a scene").0;
-            let notes = notes(&scene, Some(Footprint::Disc { radius }), None);
+            let notes = notes(&pane(&[given]), Some(Footprint::Disc { radius }), None);
             notes.into_iter().find(|note| note.kind == "changed disc").map(|note| note.text)
         };
         let wider = noted("contact.disc_radius=0.01", 0.02).expect("a note");
@@ -291,8 +290,7 @@ mod tests {
     #[test]
     fn a_disc_as_wide_as_the_waves_is_noted() {
         let noted = |given: &str, radius: f64| {
-            let scene =
-                Scene::parse("scene", PANE, &[given.to_owned(), "impactor.mass=0.1".to_owned()]).expect("a scene").0;
+            let scene = pane(&[given, "impactor.mass=0.1"]);
             notes(&scene, Some(Footprint::Disc { radius }), None).iter().any(|note| note.kind == "wide disc")
         };
         assert!(noted("contact.disc_radius=0.2", 0.2) && !noted("contact.disc_radius=0.02", 0.02));
@@ -304,10 +302,8 @@ mod tests {
     #[test]
     fn keys_that_a_theory_does_not_use_are_noted() {
         let noted = |overrides: &[&str]| {
-            let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-            let scene = Scene::parse("scene", PANE, &overrides).expect("a scene").0;
             let known = ["unused key", "unused supports", "point force"];
-            let all = notes(&scene, None, None);
+            let all = notes(&pane(overrides), None, None);
             all.into_iter().map(|note| note.kind).filter(|kind| known.contains(&kind.as_str())).collect::<Vec<_>>()
         };
         let patch = "contact.patch_radius=0.01";

@@ -53,28 +53,21 @@ impl Announcement {
     ///
     /// # Errors
     /// If a PETSc call fails.
-    pub fn print(&self, comm: &Comm, scene: &Scene, impact: &Simulation, said: &mut Said) -> Result<()> {
-        if let Some(message) = &self.poor {
-            said.warn(message);
-            said.print(said.count());
-        }
+    pub fn print(self, comm: &Comm, scene: &Scene, impact: &Simulation, said: &mut Said) -> Result<()> {
+        said.warn(self.poor);
+        said.print(said.count());
         note(format_args!("{}", self.described));
         if let Some(reason) = &self.reason {
             note(format_args!("{reason}"));
         }
-        let missing_faces = notes::texts(notes::missing_faces(scene, impact.faces()).into_iter().collect());
-        for warning in self.warnings.iter().chain(&missing_faces) {
-            said.warn(warning);
-        }
-        let of_scene = notes::texts(notes::notes(scene, Some(self.footprint), impact.plan().as_ref()));
-        for line in of_scene.iter().chain(&self.of_measure) {
-            said.note(line);
-        }
+        said.warn(self.warnings);
+        said.warn(notes::texts(notes::missing_faces(scene, impact.faces())));
+        said.note(notes::texts(notes::notes(scene, Some(self.footprint), impact.plan().as_ref())));
+        said.note(self.of_measure);
         if self.is_factorised && !has_mumps(comm.session())? {
-            said.note(
-                "this PETSc is without MUMPS: a matrix that the ranks do not share by substructures is factorised by each of them, so that more ranks save nothing \
-                 there",
-            );
+            let text = "this PETSc is without MUMPS: a matrix that the ranks do not share by substructures is factorised by each of them, so that more \
+                        ranks save nothing there";
+            said.note([text.to_owned()]);
         }
         said.print(said.count());
         Ok(())

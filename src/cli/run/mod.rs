@@ -17,7 +17,7 @@ use crate::record::lock::Lock;
 use crate::record::target::is_same;
 
 use super::Run;
-use super::load::{Loaded, STANDARD_INPUT, load_with_options};
+use super::load::{Loaded, STANDARD_INPUT, load};
 use super::restart::RestartState;
 use super::{note, tell};
 use output::check_own;
@@ -29,21 +29,21 @@ pub(super) use solve::{Beginning, Written, solve};
 /// # Errors
 /// Any [`Error`].
 pub fn run(comm: &Comm, arguments: &Run) -> Result<i32> {
-    let Run { scene, overrides, stored_options, .. } = arguments;
-    let Loaded { scene, source, is_of_result } = load_with_options(comm, scene, overrides, *stored_options)?;
+    let Loaded { scene, source, is_of_result } = load(comm, &arguments.scene)?;
+    let file = &arguments.scene.file;
     let given = arguments.output.as_ref().or(arguments.restart.as_ref());
     // A pipe can be read only once, and has no useful name.
-    let is_file_by_name = arguments.scene.metadata().map_or(true, |there| there.is_file());
+    let is_file_by_name = file.metadata().map_or(true, |there| there.is_file());
     let unnamed = match given {
         None if is_of_result => Some("the scene of a result"),
-        None if arguments.scene == Path::new(STANDARD_INPUT) => Some("a scene from standard input"),
+        None if file == Path::new(STANDARD_INPUT) => Some("a scene from standard input"),
         None if !is_file_by_name => Some("a scene from a pipe"),
         _ => None,
     };
     if let Some(what) = unnamed {
         return Err(Error::Usage(format!("{what} needs a name for its result: -o OUT.h5")));
     }
-    let output = given.cloned().unwrap_or_else(|| default_output(&arguments.scene));
+    let output = given.cloned().unwrap_or_else(|| default_output(file));
     let from = arguments.restart.as_deref().unwrap_or(&output);
     // On rank 0: the lock, held until the end, and the checkpoint from which the run continues.
     let (mut lock, mut moment) = (None, None);

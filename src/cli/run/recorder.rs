@@ -43,7 +43,7 @@ impl Recorder {
         if let Some(recording) = &mut self.recording {
             recording.step(step, reading, &self.writer)?;
         }
-        self.writer.push_read(step, reading)?;
+        self.writer.push(step, reading)?;
         self.progress.step(step);
         self.summary.step(step);
         self.summary.tensions(step.time, &reading.faces, &self.strengths);
@@ -70,7 +70,7 @@ impl Recorder {
         }
         let useless = self.useless(first_end, &largest_tension, end).filter(|_| is_complete);
         let printed = self.said.count();
-        useless.iter().for_each(|message| self.said.warn(message));
+        self.said.warn(useless.clone());
         self.writer.set_warnings(self.said.text());
         // If the steps have failed, the caller reports that error: a full disk first fails the steps and then the end.
         self.writer.finish(end.cost, is_complete).and(recorded)?;
@@ -98,11 +98,9 @@ impl Recorder {
 
     /// Adds the warnings and notes on a run that has ended.
     fn remark(&mut self, scene: &Scene, flow: ControlFlow<()>, largest: &LargestTension, end: &End<'_>) {
-        self.summary.warning().iter().for_each(|warning| self.said.warn(warning));
-        let missed = notes::missed(end.estimate, scene, end.was_warned, largest);
-        missed.iter().for_each(|missed| self.said.note(missed));
-        let of_end = self.summary.warning_of_end().filter(|_| flow.is_continue());
-        of_end.iter().for_each(|warning| self.said.warn(warning));
+        self.said.warn(self.summary.warning());
+        self.said.note(notes::missed(end.estimate, scene, end.was_warned, largest));
+        self.said.warn(self.summary.warning_of_end().filter(|_| flow.is_continue()));
     }
 
     /// Message that printed numbers are of no use, if their estimated errors are large.

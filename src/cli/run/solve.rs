@@ -74,8 +74,7 @@ pub(in crate::cli) fn solve(
     let mut said = Said::default();
     if comm.is_root() {
         // Before the model is built, which may take long with such values.
-        let odd = notes::texts(notes::of_values(scene, source));
-        odd.iter().for_each(|warning| said.warn(warning));
+        said.warn(notes::texts(notes::of_values(scene, source)));
         said.print(said.count());
     }
     let interrupt = Rc::new(Interrupt::new(Ending::AtOnce));
@@ -87,6 +86,7 @@ pub(in crate::cli) fn solve(
     }
     let modelled = begin.elapsed().as_secs_f64();
     let announcement = Announcement::new(&model, scene, force)?;
+    let was_warned = announcement.poor.is_some();
     let linearity = Linearity::new(scene, model.theory, model.dynamics.patch().as_ref());
     let details = model_details(&model);
     let of_model = (model::name(model.theory), model.reduction(), model.unknowns);
@@ -122,8 +122,7 @@ pub(in crate::cli) fn solve(
         deflection_error_estimate: estimate.of_deflection(),
     };
     let flow = stepped.as_ref().ok().copied();
-    let end =
-        End { cost: &cost, estimate: &estimate, output, has_summary, was_warned: announcement.poor.is_some(), force };
+    let end = End { cost: &cost, estimate: &estimate, output, has_summary, was_warned, force };
     let mut ended = Ok(None);
     if let Some(recorder) = watch.recorder {
         ended = recorder.finish(scene, flow, &end);
@@ -180,7 +179,7 @@ fn record(
         return Ok(None);
     }
     let (writer, recording, summary) = match earlier {
-        None => (SeriesWriter::with_points(output, provenance, &points)?, recording, Summary::default()),
+        None => (SeriesWriter::create(output, provenance, &points)?, recording, Summary::default()),
         Some((earlier, summary)) => {
             note(format_args!("continuing from t = {:.6e} s", summary.end()));
             let writer = SeriesWriter::continued(output, provenance, &points, earlier)?;

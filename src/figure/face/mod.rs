@@ -8,13 +8,12 @@ use std::path::Path;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
-use super::bar::draw_bar;
 use super::canvas::{Anchor, Canvas, Drawing, Drawn, Sheet};
-use super::frame::{Frame, LETTERS, SMALL, line};
+use super::frame::{Frame, INK, LETTERS, PAPER, SMALL, line, titled};
 use super::legend::draw_title;
 use super::output::{inline, save};
 use super::scale::Scale;
-use super::shade::shade;
+use super::shade::{draw_bar, shade};
 use super::stroke::Stroke;
 use crate::error::{Error, Result};
 
@@ -50,8 +49,6 @@ const LEFT: f64 = 130.0;
 const BAR: f64 = 250.0;
 const BELOW: f64 = 150.0;
 const GAP: f64 = 40.0;
-const INK: RGBColor = RGBColor(30, 30, 30);
-const PAPER: RGBColor = RGBColor(255, 255, 255);
 
 /// Draws to `out`, an SVG or a PNG depending on its extension.
 ///
@@ -163,28 +160,14 @@ impl Drawing for FaceFigure {
         self.draw_mark(canvas, &frame)?;
         let [across, up] = self.surface.axes.map(|axis| ["x", "y", "z"][axis]);
         let below = bottom + 72.0;
-        canvas.text(
-            &format!("{across} ({})", frame.x.unit("m")),
-            (0.5 * (left + right), below),
-            LETTERS,
-            Anchor::Centre,
-        )?;
-        canvas.text(
-            &self.note,
-            (0.5 * canvas.width, (below + 44.0).min(canvas.height - 20.0)),
-            SMALL,
-            Anchor::Centre,
-        )?;
-        let ticks = frame.y.ticks();
-        let widths = ticks.iter().flat_map(|tick| &tick.1).map(|label| canvas.text_width(label, LETTERS));
-        let beside = left - 40.0 - widths.fold(0.0, f64::max);
-        canvas.text(
-            &format!("{up} ({})", frame.y.unit("m")),
-            (beside, 0.5 * (top + bottom)),
-            LETTERS,
-            Anchor::Upwards,
-        )?;
-        let title = format!("{} ({})", self.quantity, scale.unit(&self.unit));
+        let title = titled(across, &frame.x.unit("m"));
+        canvas.text(&title, (0.5 * (left + right), below), LETTERS, Anchor::Centre)?;
+        let at = (0.5 * canvas.width, (below + 44.0).min(canvas.height - 20.0));
+        canvas.text(&self.note, at, SMALL, Anchor::Centre)?;
+        let title = titled(up, &frame.y.unit("m"));
+        let beside = left - 40.0 - canvas.widest(&frame.y, LETTERS);
+        canvas.text(&title, (beside, 0.5 * (top + bottom)), LETTERS, Anchor::Upwards)?;
+        let title = titled(&self.quantity, &scale.unit(&self.unit));
         draw_bar(canvas, (right + GAP, top, bottom), &scale, banded, &title)
     }
 }

@@ -3,12 +3,14 @@
 use crate::error::{Error, Result};
 use crate::figure::axis::exponential;
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
+use crate::figure::frame::{FRAME, Frame, INK, PAPER, TICK, line, titled};
 use crate::figure::output::save;
 use crate::figure::scale::Scale;
 use crate::figure::shade::{MISSING, shade};
 use crate::figure::stroke::Stroke;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
+use std::cmp::Ordering;
 use std::path::Path;
 
 /// Heat maps over the same rows and time steps.
@@ -90,60 +92,12 @@ const REACH: f64 = std::f64::consts::SQRT_2;
 /// Smallest and largest power of ten of the colour scale.
 const SCALE: (i32, i32) = (-6, 0);
 const UNBOUNDED: RGBColor = RGBColor(213, 94, 0);
-const INK: RGBColor = RGBColor(30, 30, 30);
-const PAPER: RGBColor = RGBColor(255, 255, 255);
 const LIMIT: Stroke = Stroke { colour: INK, width: 5.0, dashes: &[] };
-const FRAME: Stroke = Stroke { colour: RGBColor(60, 60, 60), width: 2.0, dashes: &[] };
 /// Strokes of the marks, in their order.
 const MARKS: [Stroke; 2] = [
     Stroke { colour: RGBColor(0, 120, 90), width: 3.0, dashes: &[4.0, 2.5] },
     Stroke { colour: RGBColor(150, 60, 120), width: 3.0, dashes: &[1.2, 1.6] },
 ];
-
-/// Layout of one map, which converts time steps to pixels.
-struct Plot {
-    left: f64,
-    right: f64,
-    /// Natural logarithms of the smallest and largest time step of the axis (s).
-    range: (f64, f64),
-}
-
-impl Plot {
-    fn at(&self, step: f64) -> f64 {
-        let part = (step.ln() - self.range.0) / (self.range.1 - self.range.0);
-        self.left + part.clamp(0.0, 1.0) * (self.right - self.left)
-    }
-
-    fn holds(&self, step: f64) -> bool {
-        is_within(step, self.range)
-    }
-}
-
-/// Whether a time step, s, lies within a range given by natural logarithms.
-fn is_within(step: f64, range: (f64, f64)) -> bool {
-    (range.0..=range.1).contains(&step.ln())
-}
-
-/// Position of a limit relative to the range of the axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Side {
-    Below,
-    Within,
-    Above,
-}
-
-/// Length of a tick, pixels.
-fn tick(is_labelled: bool) -> f64 {
-    if is_labelled { 10.0 } else { 5.0 }
-}
-
-/// Title of an axis with its unit, if it has one.
-fn titled(title: &str, unit: &str) -> String {
-    match unit.trim() {
-        "" => title.to_owned(),
-        unit => format!("{title} ({unit})"),
-    }
-}
 
 /// Draws an arrow with the given tip, which points to a limit beyond the axis. `inwards` is 1 if the axis lies to the
 /// right of the tip, −1 if it lies to the left. The arrow has a white outline, because the cells below it may have any
@@ -174,22 +128,23 @@ impl Drawing for Map {
         }
         for n in 0..self.panels.len() {
             let left = first + n as f64 * (width + GAP);
-            let plot = Plot { left, right: left + width, range: self.range() };
-            self.draw_panel(canvas, &plot, n)?;
+            let (x, y) = (self.steps(), Scale::new(0.0, 1.0, false));
+            let frame = Frame { left, right: left + width, top: TOP, bottom: BOTTOM, x, y };
+            self.draw_panel(canvas, &frame, n)?;
         }
         self.draw_legend(canvas)
     }
 }
 
 impl Map {
-    /// Natural logarithms of the range of the axis, which encloses all cells.
-    fn range(&self) -> (f64, f64) {
+    /// Axis of the time steps, which encloses all cells.
+    fn steps(&self) -> Scale {
         let steps = self.rows.iter().flat_map(|row| &row.cells).map(|cell| cell.step);
         let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
-        ((low / REACH).ln(), (high * REACH).ln())
+        Scale::new(low / REACH, high * REACH, true)
     }
 
-    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, panel: usize) -> Drawn {
+    fn draw_panel<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame, panel: usize) -> Drawn {
         let pitch = (BOTTOM - TOP) / self.rows.len() as f64;
         for (n, row) in self.rows.iter().enumerate() {
             let middle = TOP + (n as f64 + 0.5) * pitch;
@@ -197,7 +152,7 @@ impl Map {
             for (m, cell) in row.cells.iter().enumerate() {
                 let (low, high) = row.extent(m);
                 // A white line separates neighbouring cells.
-                let corners = ((plot.at(low) + 1.0, top), (plot.at(high) - 1.0, bottom));
+                let corners = ((frame.at_x(low) + 1.0, top), (frame.at_x(high) - 1.0, bottom));
                 let value = cell.values.get(panel).copied().unwrap_or(Value::Missing);
                 canvas.rectangle(corners.0, corners.1, value.colour())?;
                 if cell.is_good {
@@ -207,58 +162,42 @@ impl Map {
                 }
             }
         }
-        for ((step, _), stroke) in self.marks.iter().zip(&MARKS).filter(|((step, _), _)| plot.holds(*step)) {
-            let x = plot.at(*step);
-            canvas.line(&[canvas.point(x, TOP), canvas.point(x, BOTTOM)], stroke)?;
+        for ((step, _), stroke) in self.marks.iter().zip(&MARKS).filter(|((step, _), _)| frame.x.holds(*step)) {
+            let x = frame.at_x(*step);
+            line(canvas, (x, TOP), (x, BOTTOM), stroke)?;
         }
         for (n, row) in self.rows.iter().enumerate() {
             let (top, middle) = (TOP + n as f64 * pitch, TOP + (n as f64 + 0.5) * pitch);
-            match row.side(plot.range) {
-                Some(Side::Within) => {
-                    let x = plot.at(row.limit);
-                    canvas.line(&[canvas.point(x, top + 1.0), canvas.point(x, top + pitch - 1.0)], &LIMIT)?;
+            match row.side(&frame.x) {
+                Some(Ordering::Equal) => {
+                    let x = frame.at_x(row.limit);
+                    line(canvas, (x, top + 1.0), (x, top + pitch - 1.0), &LIMIT)?;
                 }
-                Some(Side::Below) => draw_arrow(canvas, (plot.left + 5.0, middle), 1.0)?,
-                Some(Side::Above) => draw_arrow(canvas, (plot.right - 5.0, middle), -1.0)?,
+                Some(Ordering::Less) => draw_arrow(canvas, (frame.left + 5.0, middle), 1.0)?,
+                Some(Ordering::Greater) => draw_arrow(canvas, (frame.right - 5.0, middle), -1.0)?,
                 None => {}
             }
         }
-        self.draw_axes(canvas, plot, &self.panels[panel])
+        self.draw_axes(canvas, frame, &self.panels[panel])
     }
 
     /// Draws the frame, the ticks and the titles: time step below, time steps per contact above.
-    fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, plot: &Plot, title: &str) -> Drawn {
-        let line = |from: (f64, f64), to: (f64, f64)| {
-            canvas.line(&[canvas.point(from.0, from.1), canvas.point(to.0, to.1)], &FRAME)
-        };
-        for y in [TOP, BOTTOM] {
-            line((plot.left, y), (plot.right, y))?;
-        }
-        for x in [plot.left, plot.right] {
-            line((x, TOP), (x, BOTTOM))?;
-        }
-        let (low, high) = (plot.range.0.exp(), plot.range.1.exp());
-        let steps = Scale::new(low, high, true);
-        for (place, label) in steps.ticks() {
-            let x = plot.left + place * (plot.right - plot.left);
-            line((x, BOTTOM), (x, BOTTOM + tick(label.is_some())))?;
-            if let Some(label) = label {
-                canvas.text(&label, (x, BOTTOM + 28.0), LETTERS, Anchor::Centre)?;
-            }
-        }
+    fn draw_axes<DB: DrawingBackend>(&self, canvas: &Canvas<DB>, frame: &Frame, title: &str) -> Drawn {
+        frame.draw_across(canvas, true)?;
         // The number of time steps per contact increases from right to left.
-        let counts = Scale::new(self.contact / high, self.contact / low, true);
+        let counts = Scale::new(self.contact / frame.x.high, self.contact / frame.x.low, true);
         for (place, label) in counts.ticks() {
-            let x = plot.right - place * (plot.right - plot.left);
-            line((x, TOP - tick(label.is_some())), (x, TOP))?;
+            let x = frame.right - place * (frame.right - frame.left);
+            let length = if label.is_some() { TICK } else { 0.5 * TICK };
+            line(canvas, (x, TOP - length), (x, TOP), &FRAME)?;
             if let Some(label) = label {
                 canvas.text(&label, (x, TOP - 28.0), LETTERS, Anchor::Centre)?;
             }
         }
-        let middle = 0.5 * (plot.left + plot.right);
+        let middle = 0.5 * (frame.left + frame.right);
         canvas.text(title, (middle, 74.0), LETTERS, Anchor::Centre)?;
         canvas.text(&titled("steps a contact", &counts.unit("")), (middle, 110.0), SMALL, Anchor::Centre)?;
-        canvas.text(&titled("time step", &steps.unit("s")), (middle, BOTTOM + 60.0), SMALL, Anchor::Centre)
+        canvas.text(&titled("time step", &frame.x.unit("s")), (middle, BOTTOM + 60.0), SMALL, Anchor::Centre)
     }
 
     /// Draws the colour scale at the left, and the legend of lines, dots and special colours to its right.
@@ -274,7 +213,7 @@ impl Map {
             let x = left + width * f64::from(power - SCALE.0) / f64::from(SCALE.1 - SCALE.0);
             canvas.text(&exponential(power), (x, y + 32.0), SMALL, Anchor::Centre)?;
         }
-        let (mut x, range) = (left + width + 50.0, self.range());
+        let (mut x, steps) = (left + width + 50.0, self.steps());
         let mut entry = |text: &str, draw: &dyn Fn(f64) -> Drawn| -> Drawn {
             draw(x)?;
             canvas.text(text, (x + 46.0, y), SMALL, Anchor::Left)?;
@@ -290,20 +229,18 @@ impl Map {
             }
         }
         entry(&self.good, &|x| canvas.dot((x + 18.0, y), 4.5, INK))?;
-        let upright = |x: f64, stroke: &Stroke| {
-            canvas.line(&[canvas.point(x + 18.0, y - 22.0), canvas.point(x + 18.0, y + 22.0)], stroke)
-        };
-        let sides: Vec<Side> = self.rows.iter().filter_map(|row| row.side(range)).collect();
-        if sides.contains(&Side::Within) {
+        let upright = |x: f64, stroke: &Stroke| line(canvas, (x + 18.0, y - 22.0), (x + 18.0, y + 22.0), stroke);
+        let sides: Vec<Ordering> = self.rows.iter().filter_map(|row| row.side(&steps)).collect();
+        if sides.contains(&Ordering::Equal) {
             entry("predicted limit", &|x| upright(x, &LIMIT))?;
         }
-        if let Some(side) = sides.iter().find(|side| **side != Side::Within) {
-            let (tip, towards) = if *side == Side::Below { (8.0, 1.0) } else { (30.0, -1.0) };
+        if let Some(side) = sides.iter().find(|side| **side != Ordering::Equal) {
+            let (tip, towards) = if *side == Ordering::Less { (8.0, 1.0) } else { (30.0, -1.0) };
             let text =
-                if sides.contains(&Side::Within) { "beyond the axis" } else { "predicted limit: beyond the axis" };
+                if sides.contains(&Ordering::Equal) { "beyond the axis" } else { "predicted limit: beyond the axis" };
             entry(text, &|x| draw_arrow(canvas, (x + tip, y), towards))?;
         }
-        for ((_, text), stroke) in self.marks.iter().zip(&MARKS).filter(|((step, _), _)| is_within(*step, range)) {
+        for ((_, text), stroke) in self.marks.iter().zip(&MARKS).filter(|((step, _), _)| steps.holds(*step)) {
             entry(text, &|x| upright(x, stroke))?;
         }
         Ok(())
@@ -311,13 +248,13 @@ impl Map {
 }
 
 impl Row {
-    /// Position of the limit relative to a range given by natural logarithms; `None` without a limit.
-    fn side(&self, range: (f64, f64)) -> Option<Side> {
+    /// Position of the limit relative to the axis of the time steps; `None` without a limit.
+    fn side(&self, steps: &Scale) -> Option<Ordering> {
         let has_limit = self.limit > 0.0 && self.limit.is_finite();
-        has_limit.then(|| match self.limit.ln() {
-            limit if limit < range.0 => Side::Below,
-            limit if limit > range.1 => Side::Above,
-            _ => Side::Within,
+        has_limit.then(|| match self.limit {
+            limit if limit < steps.low => Ordering::Less,
+            limit if limit > steps.high => Ordering::Greater,
+            _ => Ordering::Equal,
         })
     }
 

@@ -1,26 +1,20 @@
 //! Draws a sweep over one key: a quantity, and below it the times of contact.
 
-use super::{Curve, Member, ascending};
-use crate::figure::axis::Axis;
-use crate::figure::bar::draw_bar;
+use super::{BOTTOM, Curve, LEFT, MARGIN, Member, TITLE, TOP, ascending};
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
-use crate::figure::frame::{Frame, LETTERS, SMALL};
+use crate::figure::frame::{Frame, LETTERS, SMALL, titled};
 use crate::figure::scale::{Scale, cells};
-use crate::figure::shade::shade;
+use crate::figure::shade::{draw_bar, shade};
 use crate::figure::stroke::stroke;
+use crate::record::episodes::Episode;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
-const TITLE: f64 = 40.0;
-const TOP: f64 = 78.0;
 const MIDDLE: f64 = 500.0;
-const BOTTOM: f64 = HEIGHT - 116.0;
 /// Distance between the panels, pixels.
 const GAP: f64 = 34.0;
-/// Space to the left of the panels without their labels, and below it the right edge of the panels, pixels.
-const LEFT: f64 = 94.0;
+/// Right edge of the panels, pixels.
 const RIGHT: f64 = WIDTH - 226.0;
-const MARGIN: f64 = 38.0;
 /// Largest number of members for which each member gets a dot.
 const DOTS: usize = 120;
 
@@ -31,25 +25,19 @@ impl Drawing for Curve {
         let numbers = || self.members.iter().map(|member| member.result);
         let (least, largest) = (numbers().fold(0.0, f64::min), numbers().fold(0.0, f64::max));
         let contacts = || self.members.iter().flat_map(|member| &member.contacts);
-        let end = 1e3 * contacts().map(|contact| contact.1).fold(0.0, f64::max);
-        let forces = Scale::of_colours(contacts().map(|contact| contact.2), true);
-        let times = Axis::spanning(0.0, end);
+        let end = 1e3 * contacts().map(|contact| contact.end).fold(0.0, f64::max);
+        let forces = Scale::of_colours(contacts().map(|contact| contact.peak_force), true);
+        let times = Scale::spanning(0.0, end);
         let results = match &self.quantity.names[..] {
-            [] => {
-                let Axis { low, high, .. } = Axis::spanning(1.02 * least, 1.02 * largest);
-                Scale::new(low, high, false)
-            }
+            [] => Scale::spanning(1.02 * least, 1.02 * largest),
             names => Scale::named(names),
         };
-        let times_scale = Scale::new(times.low, times.high, false);
-        let width = |label: &Option<String>| label.as_ref().map_or(0.0, |label| canvas.text_width(label, LETTERS));
-        let widest = |scale: &Scale| scale.ticks().iter().map(|(_, label)| width(label)).fold(0.0, f64::max);
-        let left = LEFT + widest(&results).max(widest(&times_scale));
+        let left = LEFT + canvas.widest(&results, LETTERS).max(canvas.widest(&times, LETTERS));
         let unit = results.unit(&self.quantity.unit);
         let x = || Scale::new(cells[0].0, cells[cells.len() - 1].1, self.key.is_log);
         let frame = |top: f64, bottom: f64, y: Scale| Frame { left, right: RIGHT, top, bottom, x: x(), y };
         let upper = frame(TOP, MIDDLE, results);
-        let lower = frame(MIDDLE + GAP, BOTTOM, times_scale);
+        let lower = frame(MIDDLE + GAP, BOTTOM, times);
 
         canvas.text(&self.title, (0.5 * (left + RIGHT), TITLE), LETTERS, Anchor::Centre)?;
         upper.draw_grid(canvas)?;
@@ -62,15 +50,16 @@ impl Drawing for Curve {
         }
         upper.draw_axes(canvas, false)?;
         lower.draw_axes(canvas, true)?;
-        let title = format!("peak force of the contact ({})", forces.unit("N"));
+        let title = titled("peak force of the contact", &forces.unit("N"));
         draw_bar(canvas, (RIGHT + 34.0, MIDDLE + GAP, BOTTOM), &forces, colour, &title)?;
         let upwards = |title: String, frame: &Frame| {
             let at = (MARGIN, 0.5 * (frame.top + frame.bottom));
             canvas.text(&title, at, SMALL, Anchor::Upwards)
         };
-        upwards(self.quantity.title(&unit), &upper)?;
-        upwards(format!("in contact, time ({})", times.unit("ms")), &lower)?;
-        canvas.text(&self.key.title(&lower.x), (0.5 * (left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)
+        upwards(titled(&self.quantity.label, &unit), &upper)?;
+        upwards(titled("in contact, time", &lower.y.unit("ms")), &lower)?;
+        let title = titled(&self.key.label, &lower.x.unit(&self.key.unit));
+        canvas.text(&title, (0.5 * (left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)
     }
 }
 
@@ -104,10 +93,10 @@ impl Member {
         // gaps.
         let part = if right - left > 6.0 { 0.76 } else { 1.0 };
         let (left, right) = (at - part * (at - left), at + part * (right - at));
-        for (start, end, force) in &self.contacts {
+        for Episode { start, end, peak_force, .. } in &self.contacts {
             let (bottom, top) = (frame.at_y(1e3 * start), frame.at_y(1e3 * end));
             let corners = ((left, top.min(bottom - 1.5)), (right.max(left + 1.0), bottom));
-            canvas.rectangle(corners.0, corners.1, colour(forces.place(*force)))?;
+            canvas.rectangle(corners.0, corners.1, colour(forces.place(*peak_force)))?;
         }
         Ok(())
     }

@@ -1,19 +1,13 @@
 //! Draws a sweep over two keys: a quantity as a heat map.
 
-use super::{Field, ascending};
-use crate::figure::bar::draw_bar;
+use super::{BOTTOM, Field, LEFT, MARGIN, TITLE, TOP, ascending};
 use crate::figure::canvas::{Anchor, Canvas, Drawing, Drawn, HEIGHT, WIDTH};
-use crate::figure::frame::{Frame, LETTERS, SMALL};
+use crate::figure::frame::{Frame, LETTERS, SMALL, titled};
 use crate::figure::scale::{Scale, cells};
-use crate::figure::shade::{MISSING, shade};
+use crate::figure::shade::{MISSING, draw_bar, shade};
 use plotters::backend::DrawingBackend;
 
-const TITLE: f64 = 40.0;
-const TOP: f64 = 78.0;
-const BOTTOM: f64 = HEIGHT - 116.0;
-const LEFT: f64 = 94.0;
 const RIGHT: f64 = WIDTH - 246.0;
-const MARGIN: f64 = 38.0;
 
 impl Drawing for Field {
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<DB>) -> Drawn {
@@ -24,13 +18,7 @@ impl Drawing for Field {
             (values, cells, scale)
         };
         let ((across, columns, x), (up, rows, y)) = (axis(0), axis(1));
-        let widest = y
-            .ticks()
-            .iter()
-            .flat_map(|tick| &tick.1)
-            .map(|label| canvas.text_width(label, LETTERS))
-            .fold(0.0, f64::max);
-        let frame = Frame { left: LEFT + widest, right: RIGHT, top: TOP, bottom: BOTTOM, x, y };
+        let frame = Frame { left: LEFT + canvas.widest(&y, LETTERS), right: RIGHT, top: TOP, bottom: BOTTOM, x, y };
         let numbers = || self.members.iter().map(|member| member.1).filter(|peak| peak.is_finite());
         let colours = match &self.quantity.names[..] {
             [] => Scale::of_colours(numbers(), false),
@@ -46,19 +34,16 @@ impl Drawing for Field {
             canvas.rectangle(corners.0, corners.1, colour)?;
         }
         frame.draw_axes(canvas, true)?;
-        let title = self.quantity.title(&colours.unit(&self.quantity.unit));
+        let title = titled(&self.quantity.label, &colours.unit(&self.quantity.unit));
         draw_bar(canvas, (RIGHT + 40.0, TOP, BOTTOM), &colours, shade, &title)?;
         if numbers().count() < self.members.len() {
             let y = HEIGHT - 36.0;
             canvas.rectangle((RIGHT + 40.0, y - 12.0), (RIGHT + 68.0, y + 12.0), MISSING)?;
             canvas.text("no result", (RIGHT + 80.0, y), SMALL, Anchor::Left)?;
         }
-        canvas.text(
-            &self.keys[0].title(&frame.x),
-            (0.5 * (frame.left + RIGHT), HEIGHT - 36.0),
-            LETTERS,
-            Anchor::Centre,
-        )?;
-        canvas.text(&self.keys[1].title(&frame.y), (MARGIN, 0.5 * (TOP + BOTTOM)), LETTERS, Anchor::Upwards)
+        let [across, up] =
+            [0, 1].map(|n| titled(&self.keys[n].label, &[&frame.x, &frame.y][n].unit(&self.keys[n].unit)));
+        canvas.text(&across, (0.5 * (frame.left + RIGHT), HEIGHT - 36.0), LETTERS, Anchor::Centre)?;
+        canvas.text(&up, (MARGIN, 0.5 * (TOP + BOTTOM)), LETTERS, Anchor::Upwards)
     }
 }

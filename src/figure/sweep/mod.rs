@@ -3,10 +3,19 @@
 mod curve;
 mod field;
 
+use super::canvas::HEIGHT;
 use super::output::save;
-use super::scale::Scale;
 use crate::error::Result;
+use crate::record::episodes::Episode;
 use std::path::Path;
+
+/// Vertical positions of the title and of the edges of the figure, pixels.
+const TITLE: f64 = 40.0;
+const TOP: f64 = 78.0;
+const BOTTOM: f64 = HEIGHT - 116.0;
+/// Space to the left of the figure without its labels, and the position of the titles in it, pixels.
+const LEFT: f64 = 94.0;
+const MARGIN: f64 = 38.0;
 
 /// A varied key and its unit.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,8 +59,8 @@ pub struct Member {
     pub value: f64,
     /// Value of the quantity; NaN if the member has none.
     pub result: f64,
-    /// Start and end, s, and peak force, N, of each contact.
-    pub contacts: Vec<(f64, f64, f64)>,
+    /// The contacts.
+    pub contacts: Vec<Episode>,
 }
 
 /// A sweep over two keys.
@@ -82,27 +91,6 @@ pub fn draw_curve(curve: &Curve, out: &Path) -> Result<()> {
 /// Same as [`draw_curve`].
 pub fn draw_field(field: &Field, out: &Path) -> Result<()> {
     save(field, out)
-}
-
-impl Key {
-    /// Title of the axis with the unit of its labels.
-    fn title(&self, scale: &Scale) -> String {
-        titled(&self.label, &scale.unit(&self.unit))
-    }
-}
-
-impl Quantity {
-    /// Title of the axis with `unit`, the unit of its labels.
-    fn title(&self, unit: &str) -> String {
-        titled(&self.label, unit)
-    }
-}
-
-fn titled(label: &str, unit: &str) -> String {
-    match unit.trim() {
-        "" => label.to_owned(),
-        unit => format!("{label} ({unit})"),
-    }
 }
 
 /// The different values in ascending order.

@@ -72,17 +72,13 @@ impl StoredCheckpoint {
     /// [`Error::Io`] if writing fails; the last checkpoint then remains.
     pub fn write(&self, result: &Path) -> Result<()> {
         let path = beside(result);
-        let part = target::part(&path)?;
-        let written = self.write_to(&part).map_err(|error| not_written(&path, &error)).and_then(|()| {
+        let written = target::write_part(&path, |part| {
+            self.write_to(part).map_err(|error| not_written(&path, &error))?;
             // The file is on the disk before it receives its final name.
-            let named = sealed(&part).and_then(|()| fs::rename(&part, &path));
+            let named = sealed(part).and_then(|()| fs::rename(part, &path));
             named.and_then(|()| target::synced(target::folder(&path))).map_err(|error| Error::io(&path, error))
         });
-        if written.is_err() {
-            // The present error says more than an error of the removal.
-            let _ = fs::remove_file(&part);
-        }
-        written
+        written.map(|_| ())
     }
 
     fn write_to(&self, path: &Path) -> hdf5::Result<()> {
@@ -162,7 +158,7 @@ impl StoredCheckpoint {
                 scene: long_text(&file, "scene")?,
                 run_id: file.attr("run_id")?.read_scalar()?,
                 time: file.attr("time")?.read_scalar()?,
-                nodes: flat.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect(),
+                nodes: flat.as_chunks().0.to_vec(),
                 checkpoint: Checkpoint { numbers, vectors: all("vectors")?, lists: all("lists")? },
             })
         };

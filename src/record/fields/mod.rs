@@ -65,13 +65,8 @@ impl FieldWriter {
     /// [`Error::Io`] if writing fails.
     pub fn create(result: &Path, grid: &Grid, planned: Option<usize>) -> Result<Self> {
         let [path, xdmf] = paths(result);
-        let part = target::part(&target::resolved(&path))?;
-        let begun = VtkHdf::create(&part, grid, planned);
-        if begun.is_err() {
-            // The present error says more than an error of the removal.
-            let _ = fs::remove_file(&part);
-        }
-        let file = begun.map_err(|e| not_written(&path, &e))?;
+        let create = |part: &Path| VtkHdf::create(part, grid, planned).map_err(|e| not_written(&path, &e));
+        let (part, file) = target::write_part(&target::resolved(&path), create)?;
         Ok(Self { path, xdmf, part: Some(part), file, flushed: None })
     }
 
@@ -81,16 +76,11 @@ impl FieldWriter {
     /// [`Error::Io`] if the earlier fields cannot be read or copied, or belong to another grid.
     pub fn continued(result: &Path, grid: &Grid, (from, end): (&Path, f64)) -> Result<Self> {
         let ([earlier, _], [path, xdmf]) = (paths(from), paths(result));
-        let part = target::part(&target::resolved(&path))?;
-        let copied = fs::copy(&earlier, &part).map_err(|e| Error::io(&earlier, e)).and_then(|_| {
-            let reopened = VtkHdf::reopen(&part, grid, end);
+        let (part, file) = target::write_part(&target::resolved(&path), |part| {
+            fs::copy(&earlier, part).map_err(|e| Error::io(&earlier, e))?;
+            let reopened = VtkHdf::reopen(part, grid, end);
             reopened.map_err(|e| Error::io(&earlier, format!("its fields do not go on: {e}")))
-        });
-        if copied.is_err() {
-            // The present error says more than an error of the removal.
-            let _ = fs::remove_file(&part);
-        }
-        let file = copied?;
+        })?;
         Ok(Self { path, xdmf, part: Some(part), file, flushed: None })
     }
 

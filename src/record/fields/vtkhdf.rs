@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use hdf5_metno as hdf5;
-use hdf5_metno::plist::dataset_create::FillTime;
 use hdf5_metno::types::FixedAscii;
 use ndarray::ArrayView2;
 
 use crate::element::Shape;
+use crate::record::columns::{new_rows, put};
 use crate::record::storage::{self, write_text};
 use crate::space::evaluate::{Fields, Grid};
 
@@ -74,26 +74,13 @@ impl VtkHdf {
         }
         let frames = planned.unwrap_or(CHUNK_UNPLANNED).clamp(1, (ROWS_MOST / points).max(1));
         let group = root.create_group("PointData")?;
-        let data = FIELDS.map(|(name, units, _)| {
-            let dataset = rows(group.new_dataset::<f64>().shape((0.., 3)).chunk((frames * points, 3))).create(name)?;
-            write_text(&dataset, "units", units)?;
-            Ok::<_, hdf5::Error>(dataset)
-        });
+        let data = FIELDS.map(|(name, units, _)| new_rows::<f64>(&group, name, units, Some(3), frames * points));
         let data = data.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
         let steps = root.create_group("Steps")?;
         steps.new_attr::<i64>().create("NSteps")?.write_scalar(&0_i64)?;
-        let of_steps = |builder: hdf5::DatasetBuilderEmptyShape, name: &str| rows(builder).create(name);
-        let values = of_steps(steps.new_dataset::<f64>().shape(0..).chunk(frames), "Values")?;
-        write_text(&values, "units", "s")?;
-        for name in ["PartOffsets", "NumberOfParts", "PointOffsets"] {
-            of_steps(steps.new_dataset::<i64>().shape(0..).chunk(frames), name)?;
-        }
-        for name in ["CellOffsets", "ConnectivityIdOffsets"] {
-            of_steps(steps.new_dataset::<i64>().shape((0.., 1)).chunk((frames, 1)), name)?;
-        }
-        let offsets = steps.create_group("PointDataOffsets")?;
-        for (name, _, _) in FIELDS {
-            of_steps(offsets.new_dataset::<i64>().shape(0..).chunk(frames), name)?;
+        new_rows::<f64>(&steps, "Values", "s", None, frames)?;
+        for Offset { name, columns, .. } in offsets(0) {
+            new_rows::<i64>(&steps, &name, "1", columns, frames)?;
         }
         let Grid { shape, order, .. } = *grid;
         Ok(Self { file, data, steps, shape, order, cells: [cells, each], points, times: Vec::new() })
@@ -118,14 +105,9 @@ impl VtkHdf {
         for dataset in &data {
             dataset.resize((frames * points, 3))?;
         }
-        for name in ["Values", "PartOffsets", "NumberOfParts", "PointOffsets"] {
-            steps.dataset(name)?.resize(frames)?;
-        }
-        for name in ["CellOffsets", "ConnectivityIdOffsets"] {
-            steps.dataset(name)?.resize((frames, 1))?;
-        }
-        for (name, ..) in FIELDS {
-            steps.dataset(&format!("PointDataOffsets/{name}"))?.resize(frames)?;
+        steps.dataset("Values")?.resize(frames)?;
+        for offset in offsets(0) {
+            offset.resize(&steps, frames)?;
         }
         steps.attr("NSteps")?.write_scalar(&(frames as i64))?;
         let Grid { shape, order, .. } = *grid;
@@ -141,25 +123,14 @@ impl VtkHdf {
             let values = ArrayView2::from_shape((points, 3), values(frame)).map_err(|e| e.to_string())?;
             dataset.write_slice(values, (rows.clone(), ..))?;
         }
-        let put = |name: &str, value: i64| {
-            let dataset = self.steps.dataset(name)?;
-            dataset.resize(number + 1)?;
-            dataset.write_slice(&[value], number..number + 1)
-        };
-        put("PartOffsets", 0)?;
-        put("NumberOfParts", 1)?;
-        put("PointOffsets", 0)?;
-        for name in ["CellOffsets", "ConnectivityIdOffsets"] {
-            let dataset = self.steps.dataset(name)?;
-            dataset.resize((number + 1, 1))?;
-            dataset.write_slice(ArrayView2::from(&[[0_i64]]), (number..number + 1, ..))?;
+        for offset in offsets(rows.start) {
+            let dataset = offset.resize(&self.steps, number + 1)?;
+            match offset.columns {
+                None => dataset.write_slice(&[offset.value], number..number + 1)?,
+                Some(_) => dataset.write_slice(ArrayView2::from(&[[offset.value]]), (number..number + 1, ..))?,
+            }
         }
-        for (name, _, _) in FIELDS {
-            put(&format!("PointDataOffsets/{name}"), rows.start as i64)?;
-        }
-        let values = self.steps.dataset("Values")?;
-        values.resize(number + 1)?;
-        values.write_slice(&[time], number..number + 1)?;
+        put(&self.steps.dataset("Values")?, number, &[time])?;
         self.times.push(time);
         Ok(())
     }
@@ -172,10 +143,33 @@ impl VtkHdf {
     }
 }
 
-/// As for the series, without a chunk cache and a fill value: only new rows are written; the rest of a chunk is a hole
-/// in the file.
-fn rows(builder: hdf5::DatasetBuilderEmptyShape) -> hdf5::DatasetBuilderEmptyShape {
-    builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never)
+/// Dataset of integers below `/VTKHDF/Steps`, with its value for a frame.
+struct Offset {
+    name: String,
+    columns: Option<usize>,
+    value: i64,
+}
+
+impl Offset {
+    fn resize(&self, steps: &hdf5::Group, frames: usize) -> hdf5::Result<hdf5::Dataset> {
+        let dataset = steps.dataset(&self.name)?;
+        self.columns.map_or_else(|| dataset.resize(frames), |columns| dataset.resize((frames, columns)))?;
+        Ok(dataset)
+    }
+}
+
+/// All such datasets, for a frame whose fields begin at the row `first`. The grid is the same in all frames.
+fn offsets(first: usize) -> Vec<Offset> {
+    let offset = |name: &str, columns, value| Offset { name: name.to_owned(), columns, value };
+    let of_grid = [("PartOffsets", None, 0), ("NumberOfParts", None, 1), ("PointOffsets", None, 0)];
+    let of_cells = ["CellOffsets", "ConnectivityIdOffsets"].map(|name| offset(name, Some(1), 0));
+    let of_fields = FIELDS.map(|(name, ..)| offset(&format!("PointDataOffsets/{name}"), None, first as i64));
+    of_grid
+        .map(|(name, columns, value)| offset(name, columns, value))
+        .into_iter()
+        .chain(of_cells)
+        .chain(of_fields)
+        .collect()
 }
 
 /// Number of a cell type in VTK.

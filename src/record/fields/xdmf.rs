@@ -16,14 +16,10 @@ use super::vtkhdf::{FIELDS, GROUP, VtkHdf};
 /// [`Error::Io`] if writing fails.
 pub fn write(path: &Path, fields: &Path, file: &VtkHdf) -> Result<()> {
     let name = fields.file_name().unwrap_or_default().to_string_lossy();
-    let part = target::part(path)?;
     let text = Text { name: escaped(&name), file }.to_string();
-    let written = fs::write(&part, text).and_then(|()| fs::rename(&part, path));
-    if written.is_err() {
-        // The present error says more than an error of the removal.
-        let _ = fs::remove_file(&part);
-    }
-    written.map_err(|e| Error::io(path, e))
+    let write =
+        |part: &Path| fs::write(part, text).and_then(|()| fs::rename(part, path)).map_err(|e| Error::io(path, e));
+    target::write_part(path, write).map(|_| ())
 }
 
 struct Text<'a> {

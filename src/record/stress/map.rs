@@ -143,7 +143,7 @@ impl StressMaps {
         for of_face in group.groups()? {
             let name = of_face.name().rsplit('/').next().unwrap_or_default().to_owned();
             let column = |of: &str| storage::read::<f64>(&of_face, of);
-            let points: Vec<Vec3> = column("points")?.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
+            let points: Vec<Vec3> = column("points")?.as_chunks().0.to_vec();
             let face = FaceMap { name, points, tension: column("tension")?, time: column("time")? };
             if face.tension.len() != face.points.len() || face.time.len() != face.points.len() {
                 return Err(format!("/{STRESS_MAP}/{} has columns of unlike lengths", face.name).into());

@@ -17,7 +17,7 @@ pub use read::{Face, Largest, Passed, Stresses};
 pub use write::EarlierTensions;
 
 pub(super) use map::MapDatasets;
-pub(super) use write::{TensionDatasets, rings, rows};
+pub(super) use write::{TensionDatasets, rows};
 
 use std::sync::Arc;
 

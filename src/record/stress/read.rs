@@ -123,8 +123,7 @@ impl Stresses {
             let name = of_face.name().rsplit('/').next().unwrap_or_default().to_owned();
             let largest = storage::read::<f64>(&of_face, "largest")?;
             let points = storage::read::<f64>(&of_face, "point")?;
-            let point: Vec<Vec3> = points.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect();
-            faces.push(Face { name, largest, point });
+            faces.push(Face { name, largest, point: points.as_chunks().0.to_vec() });
         }
         faces.sort_by(|one, other| order(&one.name).cmp(&order(&other.name)));
         let mut ring = match group.dataset("ring") {

@@ -2,12 +2,9 @@
 //! `/series/stress/ring`.
 
 use hdf5_metno as hdf5;
-use hdf5_metno::plist::dataset_create::FillTime;
-use ndarray::ArrayView2;
 
-use crate::impact::step::Step;
-use crate::record::storage::{self, write_text};
-use crate::scene::Vec3;
+use crate::record::columns::{new_rows, put, put_vectors};
+use crate::record::storage;
 use crate::space::evaluate::FaceTension;
 
 use super::Faces;
@@ -24,47 +21,26 @@ pub(in crate::record) struct TensionDatasets {
 impl TensionDatasets {
     /// Creates empty, extensible datasets; `chunk` is the number of rows in a chunk.
     pub fn new(file: &hdf5::File, of: &Faces, chunk: usize) -> hdf5::Result<Self> {
-        let dataset = |name: String, columns: usize, units: &str| {
-            let builder = file.new_dataset::<f64>();
-            let builder = match columns {
-                1 => builder.shape((0..,)).chunk((chunk,)),
-                _ => builder.shape((0.., columns)).chunk((chunk, columns)),
-            };
-            // As for the series: only new rows are written; the rest of a chunk is a hole in the file.
-            let dataset =
-                builder.chunk_cache(0, 0, 1.0).fill_time(FillTime::Never).create(format!("{GROUP}/{name}").as_str())?;
-            write_text(&dataset, "units", units)?;
-            Ok::<_, hdf5::Error>(dataset)
+        let dataset = |name: &str, columns: Option<usize>, units: &str| {
+            new_rows::<f64>(file, &format!("{GROUP}/{name}"), units, columns, chunk)
         };
         let face = |name: &String| {
-            Ok([dataset(format!("{name}/largest"), 1, "Pa")?, dataset(format!("{name}/point"), 3, "m")?])
+            Ok([dataset(&format!("{name}/largest"), None, "Pa")?, dataset(&format!("{name}/point"), Some(3), "m")?])
         };
         Ok(Self {
             faces: of.names.iter().map(face).collect::<hdf5::Result<_>>()?,
-            ring: of.ring.as_ref().map(|_| dataset("ring".to_owned(), 1, "Pa")).transpose()?,
+            ring: of.ring.as_ref().map(|_| dataset("ring", None, "Pa")).transpose()?,
         })
     }
 
     /// Writes rows, each with the tension of every face, from the row `first` on, and cuts the datasets after them.
     pub fn append(&self, first: usize, rows: &[Vec<FaceTension>], ring: &[f64]) -> hdf5::Result<()> {
-        let end = first + rows.len();
         for (number, [largest, point]) in self.faces.iter().enumerate() {
-            if largest.size() != end {
-                largest.resize((end,))?;
-                point.resize((end, 3))?;
-            }
             let at = |row: &Vec<FaceTension>| row.get(number).copied().unwrap_or(FaceTension::UNKNOWN);
-            largest.write_slice(&rows.iter().map(|row| at(row).largest).collect::<Vec<f64>>(), first..end)?;
-            let points: Vec<Vec3> = rows.iter().map(|row| at(row).point).collect();
-            point.write_slice(ArrayView2::from(&points[..]), (first..end, ..))?;
+            put(largest, first, &rows.iter().map(|row| at(row).largest).collect::<Vec<f64>>())?;
+            put_vectors(point, first, &rows.iter().map(|row| at(row).point).collect::<Vec<_>>())?;
         }
-        if let Some(dataset) = &self.ring {
-            if dataset.size() != end {
-                dataset.resize((end,))?;
-            }
-            dataset.write_slice(ring, first..end)?;
-        }
-        Ok(())
+        self.ring.as_ref().map_or(Ok(()), |dataset| put(dataset, first, ring))
     }
 }
 
@@ -77,11 +53,6 @@ pub struct EarlierTensions {
     pub ring: Option<Vec<f64>>,
 }
 
-/// Tension at the edge of the contact at each step, Pa.
-pub(in crate::record) fn rings(of: &Faces, steps: &[Step]) -> Vec<f64> {
-    steps.iter().map(|step| of.ring(step)).collect()
-}
-
 /// First `rows` rows of a result, each with the tension of every face of `names`.
 pub(in crate::record) fn rows(file: &hdf5::File, names: &[String], rows: usize) -> hdf5::Result<Vec<Vec<FaceTension>>> {
     let mut all = vec![Vec::with_capacity(names.len()); rows];
@@ -91,8 +62,8 @@ pub(in crate::record) fn rows(file: &hdf5::File, names: &[String], rows: usize) 
         if largest.len() < rows || points.len() < 3 * rows {
             return Err(format!("/{GROUP}/{name} has {} rows, and its checkpoint {rows}", largest.len()).into());
         }
-        for ((row, largest), point) in all.iter_mut().zip(largest).zip(points.chunks_exact(3)) {
-            row.push(FaceTension { largest, point: [point[0], point[1], point[2]] });
+        for ((row, largest), point) in all.iter_mut().zip(largest).zip(points.as_chunks().0) {
+            row.push(FaceTension { largest, point: *point });
         }
     }
     Ok(all)

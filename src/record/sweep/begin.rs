@@ -3,10 +3,9 @@
 use super::member::Quantity;
 use super::write::{KIND, Message};
 use super::{Header, Values};
-use crate::record::columns::{CONTACTS, new_datasets};
+use crate::record::columns::{CONTACTS, new_datasets, new_rows};
 use crate::record::storage::{self, write_long_text, write_scalar, write_text, write_words};
 use hdf5_metno as hdf5;
-use hdf5_metno::plist::dataset_create::FillTime;
 use std::path::Path;
 
 /// Number of contacts reserved for each member; minimum and maximum number of contacts in a chunk.
@@ -21,22 +20,12 @@ pub(super) fn chunk(members: usize) -> usize {
 /// Creates the file at `path` with its attributes and all its datasets.
 pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     let (file, members) = (storage::create(path)?, header.members());
-    for (name, text) in [
-        ("kind", KIND),
-        ("title", &header.title),
-        ("version", &header.version),
-        ("commit", &header.commit),
-        ("petsc_version", &header.petsc_version),
-        ("petsc_options", &header.petsc_options),
-    ] {
-        write_text(&file, name, text)?;
-    }
-    write_long_text(&file, "scene", &header.scene)?;
+    write_text(&file, "kind", KIND)?;
+    header.origin.write(&file)?;
     // A name in each line.
     write_long_text(&file, "probes", &header.probes.join("\n"))?;
     let paths: Vec<&str> = header.keys.iter().map(|key| key.path.as_str()).collect();
     write_text(&file, "vary", &paths.join("\n"))?;
-    write_scalar(&file, "ranks", header.ranks as u64)?;
     write_scalar(&file, "series", header.has_series)?;
     write_scalar(&file, "complete", false)?;
     if let Some((i, n)) = header.shard {
@@ -59,9 +48,7 @@ pub(super) fn begin(path: &Path, header: &Header) -> hdf5::Result<hdf5::File> {
     write_text(&message, "units", "1")?;
     Quantity::ALL.iter().try_for_each(|quantity| new_quantity(&file, quantity, members))?;
     let chunk = chunk(members);
-    let member = file.new_dataset::<u64>().shape((0..,)).chunk((chunk,)).fill_time(FillTime::Never);
-    let member = member.chunk_cache(0, 0, 1.0).create("contacts/member")?;
-    write_text(&member, "units", "1")?;
+    new_rows::<u64>(&file, "contacts/member", "1", None, chunk)?;
     new_datasets(&file, &CONTACTS, chunk)?;
     if header.has_series {
         file.create_group("series")?;

@@ -202,11 +202,6 @@ impl Member {
     }
 }
 
-/// Contact episode from its columns in the table of contacts.
-pub(super) fn episode([start, end, peak_force, peak_time, impulse]: [f64; 5]) -> Episode {
-    Episode { start, end, peak_force, peak_time, impulse }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,23 +14,13 @@ pub use write::SweepWriter;
 
 use std::collections::HashSet;
 
+use crate::record::provenance::Origin;
+
 /// Definition and provenance of a sweep: the attributes of the root of its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
-    /// Title of the scene.
-    pub title: String,
-    /// Full text of the scene, without the values of the members.
-    pub scene: String,
-    /// Version of the program.
-    pub version: String,
-    /// Git commit of the program.
-    pub commit: String,
-    /// Version of PETSc.
-    pub petsc_version: String,
-    /// Options given to PETSc.
-    pub petsc_options: String,
-    /// Number of MPI ranks.
-    pub ranks: usize,
+    /// Scene, without the values of the members, and program.
+    pub origin: Origin,
     /// Varied keys, the slowest first; at least one.
     pub keys: Vec<Key>,
     /// Whether the series of the members are stored.
@@ -92,7 +82,7 @@ impl Header {
     /// # Errors
     /// If they differ: text with the difference, as a statement about `other`.
     pub fn check_same(&self, other: &Self) -> Result<(), String> {
-        if self.scene != other.scene {
+        if self.origin.scene != other.origin.scene {
             return Err("holds a sweep of another scene".into());
         }
         let paths = |header: &Self| header.keys.iter().map(|key| key.path.as_str()).collect::<Vec<_>>().join(", ");

@@ -1,11 +1,12 @@
 //! Reads a sweep.
 
-use super::member::{Member, Quantity, Status, episode};
+use super::member::{Member, Quantity, Status};
 use super::{Header, Key, Values};
 use crate::error::{Error, Result};
 use crate::record::columns::{CONTACTS, SERIES};
 use crate::record::episodes::Episode;
 use crate::record::probes;
+use crate::record::provenance::Origin;
 use crate::record::read::open;
 use crate::record::storage::{self, decoded, long_text, read_list, text, words};
 use hdf5_metno as hdf5;
@@ -29,9 +30,10 @@ pub struct Sweep {
     /// did not reach the disk.
     pub(super) matches_file_contacts: bool,
     /// Reasons for the failures, by member.
-    pub(super) messages: BTreeMap<usize, String>,
-    path: PathBuf,
-    file: hdf5::File,
+    pub messages: BTreeMap<usize, String>,
+    pub(super) path: PathBuf,
+    /// Open file.
+    pub(super) file: hdf5::File,
 }
 
 /// Whether a file is a sweep.
@@ -69,6 +71,25 @@ impl Sweep {
         &self.quantities[quantity as usize]
     }
 
+    /// Values of a quantity of the members that are done, with the numbers of the members, without NaN.
+    pub fn done(&self, quantity: Quantity) -> impl Iterator<Item = (f64, usize)> + Clone {
+        let values = self.quantity(quantity).iter().copied().zip(0..);
+        values.filter(|(value, member)| self.status[*member] == Status::Done && !value.is_nan())
+    }
+
+    /// Number of members with a status.
+    pub fn count(&self, status: Status) -> usize {
+        self.status.iter().filter(|one| **one == status).count()
+    }
+
+    /// Contacts of a member.
+    pub fn contacts_of(&self, index: usize) -> Vec<Episode> {
+        // They are sorted by member, so a binary search finds them.
+        let from = self.contacts.partition_point(|(member, _)| *member < index);
+        let of_member = self.contacts[from..].iter().take_while(|(member, _)| *member == index);
+        of_member.map(|(_, contact)| *contact).collect()
+    }
+
     /// All data of a member.
     ///
     /// # Errors
@@ -83,10 +104,7 @@ impl Sweep {
         member.status = self.status[index];
         member.message = self.messages.get(&index).cloned().unwrap_or_default();
         member.quantities = std::array::from_fn(|n| self.quantities[n][index]);
-        // The contacts are sorted by member, so a binary search finds them.
-        let from = self.contacts.partition_point(|(member, _)| *member < index);
-        let of_member = self.contacts[from..].iter().take_while(|(member, _)| *member == index);
-        member.contacts = of_member.map(|(_, contact)| *contact).collect();
+        member.contacts = self.contacts_of(index);
         if self.header.has_series && member.status == Status::Done {
             let column = |path: &str| storage::read(&self.file, &series_path(index, path));
             member.series = Some(SERIES.iter().map(|column_of| column(column_of.path)).collect::<hdf5::Result<_>>()?);
@@ -94,11 +112,6 @@ impl Sweep {
             member.probes = self.header.probes.iter().map(of_probe).collect::<hdf5::Result<_>>()?;
         }
         Ok(member)
-    }
-
-    /// Open file of the sweep.
-    pub(super) fn file(&self) -> &hdf5::File {
-        &self.file
     }
 }
 
@@ -124,7 +137,7 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
     let columns = columns.collect::<hdf5::Result<Vec<_>>>()?;
     let rows = columns.iter().map(Vec::len).fold(of_rows.len(), usize::min);
     let longest = columns.iter().map(Vec::len).fold(of_rows.len(), usize::max);
-    let row = |n: usize| (of_rows[n] as usize, episode(std::array::from_fn(|column| columns[column][n])));
+    let row = |n: usize| (of_rows[n] as usize, Episode::of_columns(std::array::from_fn(|column| columns[column][n])));
     let is_done = |(member, _): &(usize, Episode)| status.get(*member) == Some(&Status::Done);
     let mut contacts: Vec<(usize, Episode)> = (0..rows).map(row).filter(is_done).collect();
     let matches_file_contacts = contacts.len() == longest && contacts.is_sorted_by_key(|(member, _)| *member);
@@ -137,7 +150,6 @@ fn read(path: &Path, file: hdf5::File) -> hdf5::Result<Sweep> {
 }
 
 fn header(file: &hdf5::File) -> hdf5::Result<Header> {
-    let number = |name: &str| file.attr(name)?.read_scalar::<u64>().map(|number| number as usize);
     let lines = |text: String| -> Vec<String> { text.lines().map(str::to_owned).collect() };
     let shard = match read_list::<u64>(file, "shard").ok().as_deref() {
         None => None,
@@ -145,13 +157,7 @@ fn header(file: &hdf5::File) -> hdf5::Result<Header> {
         Some(_) => return Err("its shard is not i of n".into()),
     };
     Ok(Header {
-        title: text(file, "title")?,
-        scene: long_text(file, "scene")?,
-        version: text(file, "version")?,
-        commit: text(file, "commit")?,
-        petsc_version: text(file, "petsc_version")?,
-        petsc_options: text(file, "petsc_options")?,
-        ranks: number("ranks")?,
+        origin: Origin::read(file)?,
         keys: lines(text(file, "vary")?).iter().map(|path| key(file, path)).collect::<hdf5::Result<_>>()?,
         has_series: file.attr("series")?.read_scalar()?,
         probes: lines(long_text(file, "probes")?),

@@ -15,19 +15,7 @@ fn header(members: usize, has_series: bool) -> Header {
         is_log: false,
         values: Values::Numbers((0..members).map(|member| member as f64).collect()),
     };
-    Header {
-        title: String::new(),
-        scene: String::new(),
-        version: String::new(),
-        commit: String::new(),
-        petsc_version: String::new(),
-        petsc_options: String::new(),
-        ranks: 1,
-        keys: vec![key],
-        has_series,
-        probes: Vec::new(),
-        shard: None,
-    }
+    Header { origin: Origin::default(), keys: vec![key], has_series, probes: Vec::new(), shard: None }
 }
 
 /// A member with some contacts and, if wanted, series of ten rows.

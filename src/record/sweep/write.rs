@@ -12,7 +12,7 @@ use super::member::{Member, Quantity, Status};
 use super::read::{Sweep, series_path};
 use super::room;
 use crate::error::{Error, Result};
-use crate::record::columns::{CONTACTS, SERIES, append, not_written};
+use crate::record::columns::{CONTACTS, SERIES, append, not_written, put};
 use crate::record::episodes::Episode;
 use crate::record::lock::Lock;
 use crate::record::probes;
@@ -20,7 +20,6 @@ use crate::record::storage::{self, write_text};
 use crate::record::target;
 use hdf5_metno as hdf5;
 use hdf5_metno::types::FixedUnicode;
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -42,17 +41,11 @@ const MANY_SERIES: [u64; 2] = [1 << 26, 1 << 30];
 
 /// Writes a sweep. Only one process (rank 0) has a writer.
 pub struct SweepWriter {
-    path: PathBuf,
-    file: hdf5::File,
-    header: Header,
-    /// Status of each member. This and the following fields include members that are not on the disk yet.
-    status: Vec<Status>,
-    quantities: Vec<Vec<f64>>,
-    contacts: Vec<(usize, Episode)>,
+    /// The sweep, with the members that are not on the disk yet.
+    sweep: Sweep,
     contacts_written: usize,
     /// Whether the next flush writes the contacts again, from the first one on.
     rewrites_contacts: bool,
-    messages: BTreeMap<usize, String>,
     /// Whether the file is new and has no member yet.
     is_new: bool,
     /// Members that are not on the disk yet.
@@ -82,55 +75,19 @@ impl SweepWriter {
     pub fn open(path: &Path, header: &Header) -> Result<Self> {
         let lock = Lock::take(path)?;
         target::check_writable(path, target::Kind::Sweep)?;
-        if path.exists() { Self::resume(path, header, lock) } else { Self::create(path, header, lock) }
-    }
-
-    fn create(path: &Path, header: &Header, lock: Lock) -> Result<Self> {
-        let part = target::part(&target::resolved(path))?;
-        let begun = begin(&part, header).map_err(|error| not_written(path, &error));
-        let named = begun
-            .and_then(|file| fs::rename(&part, target::resolved(path)).map(|()| file).map_err(|e| Error::io(path, e)));
-        if named.is_err() {
-            // The present error says more than an error of the removal.
-            let _ = fs::remove_file(&part);
-        }
-        let members = header.members();
-        Ok(Self {
-            path: path.to_owned(),
-            file: named?,
-            header: header.clone(),
-            status: vec![Status::Missing; members],
-            quantities: vec![vec![f64::NAN; members]; Quantity::ALL.len()],
-            contacts: Vec::new(),
-            contacts_written: 0,
-            rewrites_contacts: false,
-            messages: BTreeMap::new(),
-            is_new: true,
-            fresh: Vec::new(),
-            series_bytes: 0,
-            copy: None,
-            copying: Duration::ZERO,
-            flushed: Instant::now(),
-            pause: MIN_FLUSH_INTERVAL,
-            has_failed: false,
-            _lock: lock,
-        })
-    }
-
-    fn resume(path: &Path, header: &Header, lock: Lock) -> Result<Self> {
-        let file = storage::open_to_write(path).map_err(|error| not_written(path, &error))?;
+        let is_new = !path.exists();
+        let file = if is_new {
+            create(path, header)?
+        } else {
+            storage::open_to_write(path).map_err(|error| not_written(path, &error))?
+        };
         let sweep = Sweep::of(path, file)?;
         header.check_same(&sweep.header).map_err(|why| Error::io(path, format!("{why}: choose another file")))?;
         Ok(Self {
-            path: path.to_owned(),
-            header: sweep.header.clone(),
-            status: sweep.status.clone(),
-            quantities: sweep.quantities.clone(),
-            contacts: sweep.contacts.clone(),
             contacts_written: if sweep.matches_file_contacts { sweep.contacts.len() } else { 0 },
             rewrites_contacts: !sweep.matches_file_contacts,
-            messages: sweep.messages.clone(),
-            is_new: false,
+            sweep,
+            is_new,
             fresh: Vec::new(),
             series_bytes: 0,
             copy: None,
@@ -138,29 +95,13 @@ impl SweepWriter {
             flushed: Instant::now(),
             pause: MIN_FLUSH_INTERVAL,
             has_failed: false,
-            file: sweep.file().clone(),
             _lock: lock,
         })
     }
 
-    /// Header of the file, as it was created.
-    pub fn header(&self) -> &Header {
-        &self.header
-    }
-
-    /// Status of each member.
-    pub fn status(&self) -> &[Status] {
-        &self.status
-    }
-
-    /// Reasons for the failures, by member.
-    pub fn messages(&self) -> &BTreeMap<usize, String> {
-        &self.messages
-    }
-
-    /// Values of a quantity, one for each member; NaN where it is unknown.
-    pub fn quantity(&self, quantity: Quantity) -> &[f64] {
-        &self.quantities[quantity as usize]
+    /// The sweep, with the members that are not on the disk yet.
+    pub fn sweep(&self) -> &Sweep {
+        &self.sweep
     }
 
     /// Records a member. It is written at the next flush: about a second after the last one, later if copying the file takes
@@ -179,7 +120,8 @@ impl SweepWriter {
         }
         self.series_bytes += series;
         self.take(member);
-        let many = ((MANY_SERIES_OVER_FILE * self.file.size() as f64) as u64).clamp(MANY_SERIES[0], MANY_SERIES[1]);
+        let many =
+            ((MANY_SERIES_OVER_FILE * self.sweep.file.size() as f64) as u64).clamp(MANY_SERIES[0], MANY_SERIES[1]);
         if self.series_bytes >= many { self.flush() } else { self.flush_if_due() }
     }
 
@@ -195,39 +137,39 @@ impl SweepWriter {
     /// space for `contacts` more contacts and for the metadata of HDF5.
     fn make_room(&mut self, series: u64, contacts: usize) -> Result<()> {
         // New contacts may need further chunks, which are allocated whole in each column.
-        let chunk = chunk(self.header.members());
-        let more = (self.contacts.len() + contacts).div_ceil(chunk) - self.contacts_written.div_ceil(chunk);
+        let chunk = chunk(self.sweep.header.members());
+        let more = (self.sweep.contacts.len() + contacts).div_ceil(chunk) - self.contacts_written.div_ceil(chunk);
         let (series, of_contacts) =
             (self.series_bytes + series, 8 * (1 + CONTACTS.len() as u64) * (more * chunk) as u64);
         let file = self.file_to_write(series > 0 || more > 0 || self.rewrites_contacts)?;
-        let made = room::make(&file, self.file.size() + series + of_contacts + room::BYTES_PER_FLUSH);
-        made.map_err(|error| Error::io(&self.path, format!("cannot be written: {}", plain(&error))))
+        let made = room::make(&file, self.sweep.file.size() + series + of_contacts + room::BYTES_PER_FLUSH);
+        made.map_err(|error| Error::io(&self.sweep.path, format!("cannot be written: {}", plain(&error))))
     }
 
     /// Returns the file that the next flush writes. Makes a copy first if something moves.
     fn file_to_write(&mut self, moves: bool) -> Result<PathBuf> {
         if moves && self.copy.is_none() {
             let begun = Instant::now();
-            self.copy = Some(copy_of(&self.path)?);
+            self.copy = Some(copy_of(&self.sweep.path)?);
             self.copying = begun.elapsed();
         }
-        Ok(self.copy.clone().unwrap_or_else(|| target::resolved(&self.path)))
+        Ok(self.copy.clone().unwrap_or_else(|| target::resolved(&self.sweep.path)))
     }
 
     /// Converts an error of HDF5 to an error of this file, and remembers it so that nothing more is written.
     fn noted<T>(&mut self, result: hdf5::Result<T>) -> Result<T> {
         self.has_failed |= result.is_err();
-        result.map_err(|error| not_written(&self.path, &error))
+        result.map_err(|error| not_written(&self.sweep.path, &error))
     }
 
     fn take(&mut self, member: Member) {
         let index = member.index;
         if !member.message.is_empty() {
-            self.messages.insert(index, member.message.clone());
+            self.sweep.messages.insert(index, member.message.clone());
         }
-        self.status[index] = member.status;
-        self.quantities.iter_mut().zip(member.quantities).for_each(|(values, value)| values[index] = value);
-        self.contacts.extend(member.contacts.iter().map(|contact| (index, *contact)));
+        self.sweep.status[index] = member.status;
+        self.sweep.quantities.iter_mut().zip(member.quantities).for_each(|(values, value)| values[index] = value);
+        self.sweep.contacts.extend(member.contacts.iter().map(|contact| (index, *contact)));
         self.fresh.push(member);
         self.is_new = false;
     }
@@ -251,15 +193,15 @@ impl SweepWriter {
         self.has_failed |= made.is_err();
         made?;
         let Some(copy) = self.copy.take() else {
-            let written = self.write_to(&self.file.clone());
+            let written = self.write_to(&self.sweep.file.clone());
             return self.noted(written);
         };
         let file = storage::open_to_write(&copy);
         let written = file.and_then(|file| self.write_to(&file).map(|()| file));
         let (written, begun) = (self.noted(written), Instant::now());
-        let replaced = replaced(&self.path, &copy, written);
+        let replaced = replaced(&self.sweep.path, &copy, written);
         self.has_failed |= replaced.is_err();
-        self.file = replaced?;
+        self.sweep.file = replaced?;
         self.copying += begun.elapsed();
         Ok(())
     }
@@ -272,12 +214,12 @@ impl SweepWriter {
         let members = self.fresh.iter().map(|member| member.index);
         if let (Some(first), Some(last)) = (members.clone().min(), members.max()) {
             let range = first..last + 1;
-            for ((_, name, _), values) in Quantity::ALL.iter().zip(&self.quantities) {
+            for ((_, name, _), values) in Quantity::ALL.iter().zip(&self.sweep.quantities) {
                 file.dataset(&format!("members/{name}"))?.write_slice(&values[range.clone()], range.clone())?;
             }
             // The status follows when all other data are on the disk.
             file.flush()?;
-            let status: Vec<u8> = self.status[range.clone()].iter().map(|status| *status as u8).collect();
+            let status: Vec<u8> = self.sweep.status[range.clone()].iter().map(|status| *status as u8).collect();
             file.dataset("members/status")?.write_slice(&status, range)?;
         }
         file.flush()?;
@@ -303,7 +245,7 @@ impl SweepWriter {
                 let dataset = file.new_dataset_builder().with_data(values).create(path.as_str())?;
                 write_text(&dataset, "units", column.units)?;
             }
-            for (name, whole) in self.header.probes.iter().zip(&member.probes) {
+            for (name, whole) in self.sweep.header.probes.iter().zip(&member.probes) {
                 probes::write(file, &format!("series/{index}"), name, whole)?;
             }
         }
@@ -311,12 +253,10 @@ impl SweepWriter {
     }
 
     fn write_contacts(&mut self, file: &hdf5::File) -> hdf5::Result<()> {
-        let (first, end) = (self.contacts_written, self.contacts.len());
+        let (first, end) = (self.contacts_written, self.sweep.contacts.len());
         let (members, contacts): (Vec<u64>, Vec<Episode>) =
-            self.contacts[first..].iter().map(|(member, contact)| (*member as u64, *contact)).unzip();
-        let column = file.dataset("contacts/member")?;
-        column.resize((end,))?;
-        column.write_slice(&members, first..end)?;
+            self.sweep.contacts[first..].iter().map(|(member, contact)| (*member as u64, *contact)).unzip();
+        put(&file.dataset("contacts/member")?, first, &members)?;
         let columns = CONTACTS.iter().map(|column| file.dataset(column.path)).collect::<hdf5::Result<Vec<_>>>()?;
         append(&columns, &CONTACTS, first, &contacts)?;
         (self.contacts_written, self.rewrites_contacts) = (end, false);
@@ -333,27 +273,27 @@ impl SweepWriter {
         if self.copy.is_none() {
             self.flush()?;
         }
-        if !self.contacts.is_sorted_by_key(|(member, _)| *member) {
-            self.contacts.sort_by_key(|(member, _)| *member);
+        if !self.sweep.contacts.is_sorted_by_key(|(member, _)| *member) {
+            self.sweep.contacts.sort_by_key(|(member, _)| *member);
             (self.contacts_written, self.rewrites_contacts) = (0, true);
         }
         if self.rewrites_contacts || !self.fresh.is_empty() {
             self.write()?;
         }
-        let is_complete = self.mine().all(|member| self.status[member] != Status::Missing);
+        let is_complete = self.mine().all(|member| self.sweep.status[member] != Status::Missing);
         let mark = || {
-            self.file.attr("complete")?.write_scalar(&is_complete)?;
-            self.file.flush()
+            self.sweep.file.attr("complete")?.write_scalar(&is_complete)?;
+            self.sweep.file.flush()
         };
         let marked = mark();
         self.noted(marked)?;
-        room::give_back(&self.path, self.file.size()).map_err(|error| Error::io(&self.path, error))
+        room::give_back(&self.sweep.path, self.sweep.file.size()).map_err(|error| Error::io(&self.sweep.path, error))
     }
 
     /// Members that belong to this file: all, or the ones of its shard.
     pub fn mine(&self) -> impl Iterator<Item = usize> + use<> {
-        let (first, pace) = self.header.shard.map_or((0, 1), |(i, n)| (i - 1, n));
-        (first..self.status.len()).step_by(pace)
+        let (first, pace) = self.sweep.header.shard.map_or((0, 1), |(i, n)| (i - 1, n));
+        (first..self.sweep.status.len()).step_by(pace)
     }
 }
 
@@ -362,11 +302,11 @@ impl Drop for SweepWriter {
     fn drop(&mut self) {
         if self.has_failed {
             // Closing the file would write the data in memory, so it is left open until the process ends.
-            std::mem::forget(self.file.clone());
+            std::mem::forget(self.sweep.file.clone());
         }
         let _ = match self.is_new {
             _ if self.has_failed => Ok(()),
-            true => fs::remove_file(target::resolved(&self.path)).map_err(|e| Error::io(&self.path, e)),
+            true => fs::remove_file(target::resolved(&self.sweep.path)).map_err(|e| Error::io(&self.sweep.path, e)),
             false => self.flush(),
         };
         if let Some(copy) = &self.copy {
@@ -375,14 +315,23 @@ impl Drop for SweepWriter {
     }
 }
 
+/// Creates the file of a sweep without members.
+fn create(path: &Path, header: &Header) -> Result<hdf5::File> {
+    let file = target::resolved(path);
+    let created = target::write_part(&file, |part| {
+        let begun = begin(part, header).map_err(|error| not_written(path, &error))?;
+        fs::rename(part, &file).map(|()| begun).map_err(|error| Error::io(path, error))
+    });
+    created.map(|(_, file)| file)
+}
+
 /// Copies a file for a change. The copy is in the same folder.
 fn copy_of(path: &Path) -> Result<PathBuf> {
     let file = target::resolved(path);
-    let copy = target::part(&file)?;
-    fs::copy(&file, &copy).map(|_| copy.clone()).map_err(|error| {
-        let _ = fs::remove_file(&copy);
-        Error::io(path, format!("cannot be written: {}", plain(&error)))
-    })
+    let copied = target::write_part(&file, |copy| {
+        fs::copy(&file, copy).map_err(|error| Error::io(path, format!("cannot be written: {}", plain(&error))))
+    });
+    copied.map(|(copy, _)| copy)
 }
 
 /// Replaces a file by its copy with the changes (`written`), which is returned open. If writing has failed, the copy is

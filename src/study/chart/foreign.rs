@@ -6,7 +6,9 @@ use serde::Deserialize;
 
 use super::Errors;
 use crate::error::{Error, Result};
+use crate::record::episodes::Episode;
 use crate::record::provenance::Provenance;
+use crate::record::quantity::Quantity;
 use crate::record::read;
 use crate::record::stress::Stresses;
 use crate::scene::{Body, Geometry, Scene, differences};
@@ -127,9 +129,10 @@ fn fault(error: &csv::Error) -> String {
 /// [`Error::Io`] if the file cannot be read or is not such a series.
 pub fn history(path: &Path, mass: f64) -> Result<History> {
     if path.extension().is_some_and(|extension| extension == "h5") {
-        let read::History { time, acceleration, contacts, impulses, .. } = read::history(path)?;
-        let contact = |((start, end), impulse)| Contact { start, end, impulse };
-        let history = History::new(time, acceleration, contacts.into_iter().zip(impulses).map(contact).collect());
+        let Quantity { time, parts, contacts, .. } = read::history(path)?;
+        let acceleration = parts.into_iter().next().map(|part| part.values).unwrap_or_default();
+        let contact = |Episode { start, end, impulse, .. }| Contact { start, end, impulse };
+        let history = History::new(time, acceleration, contacts.into_iter().map(contact).collect());
         let tension = Stresses::read(path)?.map(|stresses| stresses.largest_of_rows()).unwrap_or_default();
         return Ok(history.with_tension(tension));
     }
@@ -175,8 +178,8 @@ pub fn comparable(path: &Path, history: History) -> Result<History> {
 /// # Errors
 /// [`Error::Io`] with the keys that differ.
 pub fn check_same_impact(path: &Path, scene: &Scene, text: &str) -> Result<()> {
-    let Provenance { scene: there, folder, .. } = read::provenance(path)?;
-    let (mut other, _) = Scene::within(&path.display().to_string(), Path::new(&folder), &there, &[])?;
+    let Provenance { origin, folder, .. } = read::provenance(path)?;
+    let (mut other, _) = Scene::within(&path.display().to_string(), Path::new(&folder), &origin.scene, &[])?;
     let Body { composition, temperature, geometry, .. } = other.body;
     let geometry = match (geometry, &scene.body.geometry) {
         (Geometry::Box { size, .. }, Geometry::Box { size: same, .. }) if size == *same => scene.body.geometry.clone(),
@@ -213,7 +216,7 @@ pub fn check_same_impact(path: &Path, scene: &Scene, text: &str) -> Result<()> {
         "contact.table",
         "contact.damping",
     ];
-    let mut keys = differences(&there, text);
+    let mut keys = differences(&origin.scene, text);
     keys.retain(|key| of_impact.iter().any(|start| key.starts_with(start)));
     Err(Error::io(path, format!("is of another impact: other values of {}", keys.join(", "))))
 }

@@ -6,6 +6,7 @@ use std::time::Instant;
 use mpi::traits::Communicator;
 use mpi::traits::{CommunicatorCollectives, Root};
 use petsc_wrap::Comm;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::impact::step::Step;
@@ -26,7 +27,7 @@ const ENOUGH_SECONDS: f64 = 0.3;
 const MOST_SECONDS: f64 = 3.0;
 
 /// Timing and result of a setting.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Timed {
     /// Median wall time before the first step, s.
     pub build: f64,
@@ -47,6 +48,7 @@ pub struct Timed {
     /// Estimated error of the whole history, over the peak; NaN if there is no estimate.
     pub estimate: f64,
     /// Time history of the acceleration. If it was read from a file, it is empty on all ranks except the first.
+    #[serde(skip)]
     pub history: History,
 }
 
