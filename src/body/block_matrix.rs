@@ -1,8 +1,7 @@
 //! A complex matrix stored in blocks, one for each class of coupled modes.
 
-use nalgebra::{Complex, DMatrix, DVector};
-
-use super::real_parts::real_parts;
+use nalgebra::allocator::Allocator;
+use nalgebra::{Complex, DMatrix, DVector, DefaultAllocator, Dim, Dyn, OMatrix};
 
 /// A complex matrix that is zero outside some blocks. No two blocks share a row or a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,36 +18,24 @@ pub(crate) struct Block {
     pub rows: Vec<usize>,
     /// Column indices in the whole matrix.
     pub columns: Vec<usize>,
-    /// Entries in these rows and columns.
-    pub entries: DMatrix<Complex<f64>>,
+    /// [Re A, −Im A] of these rows and columns: Re(A z) = [Re A, −Im A] [Re z; Im z].
+    parts: DMatrix<f64>,
+}
+
+impl Block {
+    /// Creates a block from its entries.
+    pub fn new(rows: Vec<usize>, columns: Vec<usize>, entries: &DMatrix<Complex<f64>>) -> Self {
+        let mut parts = DMatrix::zeros(rows.len(), 2 * columns.len());
+        parts.columns_mut(0, columns.len()).copy_from(&entries.map(|entry| entry.re));
+        parts.columns_mut(columns.len(), columns.len()).copy_from(&entries.map(|entry| -entry.im));
+        Self { rows, columns, parts }
+    }
 }
 
 impl BlockMatrix {
     /// Creates a matrix of a given shape from its blocks.
     pub fn new([rows, columns]: [usize; 2], blocks: Vec<Block>) -> Self {
         Self { rows, columns, blocks }
-    }
-
-    /// Creates a matrix of one block.
-    pub fn whole(entries: DMatrix<Complex<f64>>) -> Self {
-        let (rows, columns) = entries.shape();
-        Self::new([rows, columns], vec![Block { rows: (0..rows).collect(), columns: (0..columns).collect(), entries }])
-    }
-
-    /// Number of rows.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Returns the blocks as parts of a larger matrix, in which `rows` and `columns` are the numbers of this matrix's
-    /// rows and columns.
-    pub fn into_blocks_of<'a>(self, rows: &'a [usize], columns: &'a [usize]) -> impl Iterator<Item = Block> + 'a {
-        let renumbered = |own: &[usize], numbers: &[usize]| own.iter().map(|&i| numbers[i]).collect();
-        self.blocks.into_iter().map(move |block| Block {
-            rows: renumbered(&block.rows, rows),
-            columns: renumbered(&block.columns, columns),
-            entries: block.entries,
-        })
     }
 
     /// Returns the matrix, extended by zero columns to a number of columns.
@@ -58,42 +45,30 @@ impl BlockMatrix {
 
     /// Returns Re(A z).
     pub fn real_parts(&self, z: &[Complex<f64>]) -> DVector<f64> {
-        let mut parts = DVector::zeros(self.rows);
-        for Block { rows, columns, entries } in &self.blocks {
-            let z: Vec<_> = columns.iter().map(|&column| z[column]).collect();
-            rows.iter().zip(&real_parts(entries, &z)).for_each(|(&row, part)| parts[row] = *part);
-        }
-        parts
+        self.real_parts_of(&[z]).column(0).into_owned()
     }
 
     /// Returns Re(A z) for several z, one column for each. This takes less time than one z after the other.
     pub fn real_parts_of(&self, several: &[&[Complex<f64>]]) -> DMatrix<f64> {
-        let mut parts = DMatrix::zeros(self.rows, several.len());
-        for Block { rows, columns, entries } in &self.blocks {
-            let own = columns.len();
-            // Re(A z) = [Re A, −Im A] [Re z; Im z].
-            let matrix = DMatrix::from_fn(rows.len(), 2 * own, |i, j| match j.checked_sub(own) {
-                None => entries[(i, j)].re,
-                Some(j) => -entries[(i, j)].im,
-            });
-            let z = DMatrix::from_fn(2 * own, several.len(), |j, k| match j.checked_sub(own) {
+        let mut all = DMatrix::zeros(self.rows, several.len());
+        for Block { rows, columns, parts } in &self.blocks {
+            let z = DMatrix::from_fn(2 * columns.len(), several.len(), |j, k| match j.checked_sub(columns.len()) {
                 None => several[k][columns[j]].re,
                 Some(j) => several[k][columns[j]].im,
             });
-            let product = matrix * z;
-            for (i, &row) in rows.iter().enumerate() {
-                parts.row_mut(row).copy_from(&product.row(i));
-            }
+            let product = parts * z;
+            rows.iter().enumerate().for_each(|(i, &row)| all.row_mut(row).copy_from(&product.row(i)));
         }
-        parts
+        all
     }
 
     /// Returns A x for a real x.
     pub fn times(&self, x: &DVector<f64>) -> Vec<Complex<f64>> {
         let mut product = vec![Complex::new(0.0, 0.0); self.rows];
-        for Block { rows, columns, entries } in &self.blocks {
-            let x = x.select_rows(columns).map(|x| Complex::new(x, 0.0));
-            rows.iter().zip(&(entries * x)).for_each(|(&row, entry)| product[row] = *entry);
+        for Block { rows, columns, parts } in &self.blocks {
+            let x = x.select_rows(columns);
+            let [real, negative] = [0, columns.len()].map(|first| parts.columns(first, columns.len()) * &x);
+            rows.iter().enumerate().for_each(|(i, &row)| product[row] = Complex::new(real[i], -negative[i]));
         }
         product
     }
@@ -101,9 +76,12 @@ impl BlockMatrix {
     /// Returns R A for a real R.
     pub fn times_from_left(&self, r: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
         let mut product = DMatrix::zeros(r.nrows(), self.columns);
-        for Block { rows, columns, entries } in &self.blocks {
-            let of_block = real_times_complex(&r.select_columns(rows), entries);
-            columns.iter().enumerate().for_each(|(i, &column)| product.set_column(column, &of_block.column(i)));
+        for Block { rows, columns, parts } in &self.blocks {
+            let of_block = r.select_columns(rows) * parts;
+            for (j, &column) in columns.iter().enumerate() {
+                let (real, negative) = (of_block.column(j), of_block.column(columns.len() + j));
+                product.set_column(column, &real.zip_map(&negative, |real, negative| Complex::new(real, -negative)));
+            }
         }
         product
     }
@@ -115,7 +93,13 @@ impl BlockMatrix {
 }
 
 /// Returns A B for a real matrix A.
-pub(super) fn real_times_complex(a: &DMatrix<f64>, b: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+pub(super) fn real_times_complex<C: Dim>(
+    a: &DMatrix<f64>,
+    b: &OMatrix<Complex<f64>, Dyn, C>,
+) -> OMatrix<Complex<f64>, Dyn, C>
+where
+    DefaultAllocator: Allocator<Dyn, C>,
+{
     let (real, imaginary) = (a * b.map(|entry| entry.re), a * b.map(|entry| entry.im));
     real.zip_map(&imaginary, Complex::new)
 }
@@ -130,21 +114,19 @@ mod tests {
         let entries = |rows, columns| {
             DMatrix::from_fn(rows, columns, |i, j| Complex::new((i + 2 * j + 1) as f64, (3 * i) as f64 - j as f64))
         };
-        let block = |rows: &[usize], columns: &[usize]| Block {
-            rows: rows.to_vec(),
-            columns: columns.to_vec(),
-            entries: entries(rows.len(), columns.len()),
-        };
         // Row 3 and column 4 belong to no block.
-        let matrix = BlockMatrix::new([6, 7], vec![block(&[0, 2, 5], &[1, 3]), block(&[4, 1], &[0, 2, 5, 6])]);
+        let places = [(vec![0, 2, 5], vec![1, 3]), (vec![4, 1], vec![0, 2, 5, 6])];
         let mut dense = DMatrix::zeros(6, 7);
-        for Block { rows, columns, entries } in &matrix.blocks {
+        let mut block = |(rows, columns): (Vec<usize>, Vec<usize>)| {
+            let entries = entries(rows.len(), columns.len());
             for (i, &row) in rows.iter().enumerate() {
                 columns.iter().enumerate().for_each(|(j, &column)| dense[(row, column)] = entries[(i, j)]);
             }
-        }
+            Block::new(rows, columns, &entries)
+        };
+        let blocks = places.map(&mut block).to_vec();
+        let matrix = BlockMatrix::new([6, 7], blocks);
         assert_eq!(matrix.dense(), dense);
-        assert_eq!(BlockMatrix::whole(dense.clone()).dense(), dense);
         let z = DVector::from_fn(7, |j, _| Complex::new(0.3 * j as f64 - 1.0, 0.7 + j as f64));
         let product = (&dense * &z).map(|entry| entry.re);
         assert!((matrix.real_parts(z.as_slice()) - &product).amax() < 1e-12);

@@ -1,19 +1,20 @@
 //! Free motions of a body whose coupled modes split into classes that do not couple with each other, such as symmetry
 //! classes. Each class is solved separately.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
-use super::BlockMatrix;
-use super::coupled_modes::{CoupledModes, Forces, RelaxingForms, of_class};
+use super::Mode;
+use super::block_matrix::{Block, BlockMatrix};
+use super::coupled_modes::{CoupledModes, ElasticBlock, Forces, FreeMotions, RelaxingForms, free_motions};
 use super::eigen::coupled;
 use super::modal_relaxation::ModalRelaxation;
 use crate::error::Result;
 
-/// Same as [`of_class`] for all modes. The classes follow from the coupling by dampers and relaxation. Four classes of
-/// a quarter of the modes take a sixteenth of the time.
+/// Computes the coordinates of all modes with the given ω², dampers and viscoelastic parts. The classes follow from the
+/// coupling by dampers and relaxation. Four classes of a quarter of the modes take a sixteenth of the time.
 ///
 /// # Errors
-/// Same as [`of_class`].
+/// Same as [`free_motions`].
 pub fn coupled_modes(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
@@ -23,54 +24,46 @@ pub fn coupled_modes(
     let none = DMatrix::zeros(squares.len(), squares.len());
     let coupling = damping.into_iter().chain(relaxations.iter().map(|part| &part.distortion));
     let classes = coupled(&coupling.fold(none, |sum, matrix| sum + matrix.abs()));
-    if classes.len() == 1 {
-        return of_class(squares, damping, relaxations, forces);
-    }
-    let part = |class: &Vec<usize>| {
-        let rows = |v: &DVector<f64>| v.select_rows(class);
-        let damping = damping.map(|damping| damping.select_rows(class).select_columns(class));
-        let relaxations: Vec<_> = relaxations.iter().filter_map(|part| part.of_class(class)).collect();
-        let [input, load, output] = [forces.input, forces.load, forces.output].map(rows);
-        let forces = Forces { input: &input, load: &load, output: &output };
-        of_class(&rows(squares), damping.as_ref(), &relaxations, forces)
+    let motions = |class: Vec<usize>| {
+        let damping = damping.map(|damping| damping.select_rows(&class).select_columns(&class));
+        let relaxations: Vec<_> = relaxations.iter().filter_map(|part| part.of_class(&class)).collect();
+        let motions = free_motions(&squares.select_rows(&class), damping.as_ref(), &relaxations)?;
+        Ok((class, motions))
     };
-    let parts = classes.iter().map(part).collect::<Result<Vec<_>>>()?;
-    Ok(joined(&classes, parts, squares.len()))
+    Ok(coordinates(classes.into_iter().map(motions).collect::<Result<_>>()?, forces))
 }
 
-/// Joins the coordinates of all classes, one class after the other.
-fn joined(classes: &[Vec<usize>], parts: Vec<CoupledModes>, count: usize) -> CoupledModes {
-    let coordinates = parts.iter().map(|part| part.modes.len()).sum();
-    let springs = parts.iter().map(|part| part.forms.stretches.rows()).sum();
-    let mut modes = Vec::with_capacity(coordinates);
+/// Returns the coordinates of all classes under forces, one class after the other. Each class has its modes and its
+/// motions.
+pub fn coordinates(classes: Vec<(Vec<usize>, FreeMotions)>, forces: Forces) -> CoupledModes {
+    let (count, mut springs, mut modes) = (forces.input.len(), 0, Vec::new());
     let [mut places, mut speeds, mut inputs, mut stretches] = [const { Vec::new() }; 4];
     let mut elastic = Vec::new();
-    let mut spring = 0;
-    for (class, part) in classes.iter().zip(parts) {
-        let own: Vec<usize> = (modes.len()..modes.len() + part.modes.len()).collect();
-        let own_springs: Vec<usize> = (spring..spring + part.forms.stretches.rows()).collect();
-        spring += own_springs.len();
-        modes.extend(part.modes);
-        let [of_places, of_speeds] = part.shapes;
-        places.extend(of_places.into_blocks_of(class, &own));
-        speeds.extend(of_speeds.into_blocks_of(class, &own));
-        inputs.extend(part.inputs.into_blocks_of(&own, class));
-        stretches.extend(part.forms.stretches.into_blocks_of(&own_springs, &own));
-        elastic.extend(part.forms.elastic.into_iter().map(|block| block.of_class(class)));
+    for (class, motions) in classes {
+        let own: Vec<usize> = (modes.len()..modes.len() + motions.rates.len()).collect();
+        let own_springs: Vec<usize> = (springs..springs + motions.stretches.nrows()).collect();
+        springs += own_springs.len();
+        let of_class = |v: &DVector<f64>| v.select_rows(&class).map(|entry| Complex::new(entry, 0.0));
+        let [input, load] = [forces.input, forces.load].map(|v| &motions.inputs * of_class(v));
+        let output = motions.shapes[0].tr_mul(&of_class(forces.output));
+        let mode = |(c, rate)| Mode { rate, input: input[c], load: load[c], output: output[c] };
+        modes.extend(motions.rates.into_iter().enumerate().map(mode));
+        places.push(Block::new(class.clone(), own.clone(), &motions.shapes[0]));
+        speeds.push(Block::new(class.clone(), own.clone(), &motions.shapes[1]));
+        inputs.push(Block::new(own.clone(), class.clone(), &motions.inputs));
+        stretches.push(Block::new(own_springs, own, &motions.stretches));
+        elastic.push(ElasticBlock { modes: class, stiffness: motions.elastic });
     }
-    let shapes = [places, speeds].map(|blocks| BlockMatrix::new([count, coordinates], blocks));
-    let inputs = BlockMatrix::new([coordinates, count], inputs);
-    let stretches = BlockMatrix::new([springs, coordinates], stretches);
+    let shapes = [places, speeds].map(|blocks| BlockMatrix::new([count, modes.len()], blocks));
+    let inputs = BlockMatrix::new([modes.len(), count], inputs);
+    let stretches = BlockMatrix::new([springs, modes.len()], stretches);
     CoupledModes { modes, shapes, inputs, forms: RelaxingForms { elastic, stretches } }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::relaxing_directions::Directions;
-    use nalgebra::Complex;
-
     use super::*;
-    use crate::body::Mode;
     use crate::material::{Maxwell, Term};
 
     /// Two interlaced classes and a single mode move like the same modes with a coupling by a damper of the size of
@@ -106,7 +99,7 @@ mod tests {
             [(of(Some(&damping)), of(Some(&everywhere))), (of(None), of(Some(&(damping.clone() * 1e-17))))]
         {
             // Three springs for each of two terms: two springs in one class and one in the other.
-            assert_eq!(one.forms.stretches.rows(), 6);
+            assert_eq!(one.forms.stretches.dense().nrows(), 6);
             assert_eq!(one.modes.len(), other.modes.len());
             for rate in [0.1, 1.0, 10.0] {
                 let [x, y] = [&one, &other].map(|of| answer(of, rate));

@@ -10,7 +10,7 @@
 //! (s x)˙ = s v,  v̇ = −K x − C v − Σ √(G_i d_j) u_j e_ij + φF + f,  ė_ij = √(G_i d_j) u_jᵀ v − e_ij/τ_i
 //!
 //! with s = ω of the modes. The matrix is antisymmetric except for C, 1/τ and the difference between K and diag(s²), so
-//! that its eigenvectors are well conditioned. For one Prony series without dampers, [`Rational`] computes them at less
+//! that its eigenvectors are well conditioned. For one Prony series without dampers, [`Secular`] computes them at less
 //! cost. The oscillating pairs are the vibrations, each with its damping. The real eigenvalues are the creep motions.
 //! The modes that are left out respond as springs, with the modulus that the modes were computed with.
 
@@ -19,8 +19,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::block_matrix::real_times_complex;
 use super::eigen::GeneralEigen;
 use super::modal_relaxation::ModalRelaxation;
-use super::rational_eigen::{Pair, Rational};
-use super::relaxing_directions::all_directions;
+use super::secular_eigen::{Pair, Secular};
 use super::{BlockMatrix, Mode};
 use crate::error::{Error, Result};
 
@@ -45,18 +44,6 @@ pub struct ElasticBlock {
     pub stiffness: DMatrix<f64>,
 }
 
-impl ElasticBlock {
-    /// Stiffness of all modes.
-    fn whole(stiffness: DMatrix<f64>) -> Self {
-        Self { modes: (0..stiffness.nrows()).collect(), stiffness }
-    }
-
-    /// Returns the block for all modes of a body, of which the block's modes are `class`.
-    pub fn of_class(self, class: &[usize]) -> Self {
-        Self { modes: self.modes.into_iter().map(|mode| class[mode]).collect(), ..self }
-    }
-}
-
 /// Modal components of forces, and of the displacement at the impact point.
 #[derive(Debug, Clone, Copy)]
 pub struct Forces<'a> {
@@ -75,6 +62,20 @@ impl<'a> Forces<'a> {
     pub fn reciprocal(input: &'a DVector<f64>, load: &'a DVector<f64>) -> Self {
         Self { input, load, output: input }
     }
+}
+
+/// Free motions of one class of coupled modes.
+pub struct FreeMotions {
+    /// Rates λ of the coordinates z, 1/s.
+    pub rates: Vec<Complex<f64>>,
+    /// Matrices of x and v from the coordinates, Re(X z) and Re(V z).
+    pub shapes: [DMatrix<Complex<f64>>; 2],
+    /// Inputs b of forces on x.
+    pub inputs: DMatrix<Complex<f64>>,
+    /// K after all relaxation, 1/s².
+    pub elastic: DMatrix<f64>,
+    /// Matrix E of the spring variables e = Re(E z).
+    pub stretches: DMatrix<Complex<f64>>,
 }
 
 /// First-order coordinates z of the coupled modes of a body.
@@ -149,9 +150,9 @@ struct Spring {
 /// Returns all springs of the viscoelastic parts.
 fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
     let mut springs = Vec::new();
-    for ModalRelaxation { distortion, directions, chain, .. } in relaxations {
-        let factor = directions.as_ref().map_or_else(|| all_directions(distortion), |few| few.factor.clone());
-        for term in &chain.terms {
+    for part in relaxations {
+        let factor = part.factor();
+        for term in &part.chain.terms {
             let spring = |b| Spring { coupling: b * term.modulus.sqrt(), rate: 1.0 / term.time };
             springs.extend(factor.column_iter().map(spring));
         }
@@ -159,38 +160,34 @@ fn springs(relaxations: &[ModalRelaxation]) -> Vec<Spring> {
     springs
 }
 
-/// Computes the coordinates of modes with the given ω², dampers and viscoelastic parts.
+/// Computes the free motions of modes with the given ω², dampers and viscoelastic parts.
 ///
 /// # Errors
 /// [`Error::Solve`] if the body has no independent coordinates.
-pub fn of_class(
+pub fn free_motions(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
     relaxations: &[ModalRelaxation],
-    forces: Forces,
-) -> Result<CoupledModes> {
+) -> Result<FreeMotions> {
     if let (None, [part]) = (damping, relaxations)
         && part.is_quicker_by_pairs()
         && let elastic = relaxed(squares, relaxations)
-        && let Some(pairs) = Rational::new(part, &elastic).pairs(squares)
+        && let Some(pairs) = pairs(squares, part, &elastic)
     {
-        return Ok(of_pairs(&pairs, elastic, &springs(relaxations), forces));
+        return Ok(of_pairs(&pairs, elastic, &springs(relaxations)));
     }
     let parts: Vec<_> = relaxations.iter().flat_map(ModalRelaxation::parts).collect();
-    of_first_order(squares, damping, (relaxed(squares, &parts), &springs(&parts)), forces)
+    of_first_order(squares, damping, relaxed(squares, &parts), &springs(&parts))
 }
 
-impl<'a> Rational<'a> {
-    /// Creates the eigenproblem of a viscoelastic part with K after all relaxation. All terms relax in all directions
-    /// of the part.
-    fn new(of: &'a ModalRelaxation, stiffness: &'a DMatrix<f64>) -> Self {
-        let factor = of.directions.as_ref().map(|few| (&few.factor, of.modulus()));
-        Self { stiffness, distortion: &of.distortion, factor, chain: &of.chain }
-    }
+/// Returns the eigenpairs of a body with one viscoelastic part, of which all terms relax in all directions of the part;
+/// `None` if some are not found.
+fn pairs(squares: &DVector<f64>, part: &ModalRelaxation, elastic: &DMatrix<f64>) -> Option<Vec<Pair>> {
+    Secular::new(squares, &part.factor(), &part.chain, part.modulus()).pairs(elastic)
 }
 
-/// Returns coordinates z with x = Re Σ φ z, summed over all pairs.
-fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], forces: Forces) -> CoupledModes {
+/// Returns the motions in coordinates z with x = Re Σ φ z, summed over all pairs.
+fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring]) -> FreeMotions {
     let n = elastic.nrows();
     let shapes = |factor: &dyn Fn(&Pair) -> Complex<f64>| {
         DMatrix::from_fn(n, pairs.len(), |i, c| pairs[c].shape[i] * factor(&pairs[c]) * pairs[c].count())
@@ -204,39 +201,17 @@ fn of_pairs(pairs: &[Pair], elastic: DMatrix<f64>, springs: &[Spring], forces: F
         let rows = column.iter_mut().zip(springs);
         rows.for_each(|(entry, spring)| *entry *= pair.rate / (pair.rate + spring.rate));
     }
-    let rates: Vec<_> = pairs.iter().map(|pair| pair.rate).collect();
-    coordinates(&rates, [places, speeds], inputs, forces, of_energy(elastic, stretches))
+    let rates = pairs.iter().map(|pair| pair.rate).collect();
+    FreeMotions { rates, shapes: [places, speeds], inputs, elastic, stretches }
 }
 
-/// Returns the quadratic forms of the energy of one class of modes.
-fn of_energy(elastic: DMatrix<f64>, stretches: DMatrix<Complex<f64>>) -> RelaxingForms {
-    RelaxingForms { elastic: vec![ElasticBlock::whole(elastic)], stretches: BlockMatrix::whole(stretches) }
-}
-
-/// Returns the coordinates with given rates, shapes and inputs, under forces.
-fn coordinates(
-    rates: &[Complex<f64>],
-    shapes: [DMatrix<Complex<f64>>; 2],
-    inputs: DMatrix<Complex<f64>>,
-    forces: Forces,
-    forms: RelaxingForms,
-) -> CoupledModes {
-    let complex = |v: &DVector<f64>| v.map(|entry| Complex::new(entry, 0.0));
-    let [input, load] = [forces.input, forces.load].map(|v| &inputs * complex(v));
-    let outputs = shapes[0].tr_mul(&complex(forces.output));
-    let mode =
-        |(c, rate): (usize, &Complex<f64>)| Mode { rate: *rate, input: input[c], load: load[c], output: outputs[c] };
-    let modes = rates.iter().enumerate().map(mode).collect();
-    CoupledModes { modes, shapes: shapes.map(BlockMatrix::whole), inputs: BlockMatrix::whole(inputs), forms }
-}
-
-/// Computes the same coordinates from the eigenvectors of the first-order system.
+/// Computes the same motions from the eigenvectors of the first-order system.
 fn of_first_order(
     squares: &DVector<f64>,
     damping: Option<&DMatrix<f64>>,
-    (elastic, springs): (DMatrix<f64>, &[Spring]),
-    forces: Forces,
-) -> Result<CoupledModes> {
+    elastic: DMatrix<f64>,
+    springs: &[Spring],
+) -> Result<FreeMotions> {
     let n = squares.len();
     let of_damping = |i: usize| damping.map_or(0.0, |damping| damping[(i, i)]);
     let scales = DVector::from_fn(n, |i, _| squares[i].sqrt().max(of_damping(i)).max(f64::MIN_POSITIVE));
@@ -286,13 +261,13 @@ fn of_first_order(
     };
     let (mut places, speeds, stretches) = (rows(0, n), rows(n, n), rows(2 * n, springs.len()));
     places.row_iter_mut().zip(scales.iter()).for_each(|(mut row, scale)| row.unscale_mut(*scale));
-    let rates: Vec<_> = chosen.iter().map(|&(k, _)| eigen.value(k)).collect();
-    Ok(coordinates(&rates, [places, speeds], inputs, forces, of_energy(elastic, stretches)))
+    let rates = chosen.iter().map(|&(k, _)| eigen.value(k)).collect();
+    Ok(FreeMotions { rates, shapes: [places, speeds], inputs, elastic, stretches })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::coupled_classes::coupled_modes;
+    use super::super::coupled_classes::{coordinates, coupled_modes};
     use super::*;
     use crate::body::eigen::semidefinite_factor;
     use crate::body::relaxing_directions::Directions;
@@ -399,12 +374,12 @@ mod tests {
     fn terms_relax_in_directions_of_their_own() {
         let Sample { squares, relaxations, force, load, .. } = sample(0.0);
         let mut part = relaxations[0].clone();
-        let factor = semidefinite_factor(&part.distortion).transpose();
+        let factor = semidefinite_factor(&part.distortion);
         let counts = vec![2, 3, 1];
         part.directions = Some(Directions { factor: factor.clone(), counts: counts.clone() });
         let CoupledModes { modes, forms, .. } =
             coupled_modes(&squares, None, &part.parts(), Forces::reciprocal(&force, &load)).unwrap();
-        assert_eq!(forms.stretches.rows(), 6);
+        assert_eq!(forms.stretches.dense().nrows(), 6);
         for s in [1e-3, 0.1, 3.0, 40.0] {
             let mut operator = DMatrix::from_diagonal(&squares) + DMatrix::identity(4, 4) * (s * s);
             for (term, count) in part.chain.terms.iter().zip(&counts) {
@@ -433,15 +408,17 @@ mod tests {
             let mut part = relaxations[0].clone();
             part.chain.terms.iter_mut().for_each(|term| term.time *= scale);
             let counts = vec![3; 3];
-            let factor = || semidefinite_factor(&part.distortion).transpose();
+            let factor = || semidefinite_factor(&part.distortion);
             part.directions = is_factored.then(|| Directions { factor: factor(), counts });
             let parts = std::slice::from_ref(&part);
             let (elastic, springs) = (relaxed(&squares, parts), springs(parts));
-            let pairs = Rational::new(&part, &elastic).pairs(&squares).expect("all pairs");
+            let pairs = pairs(&squares, &part, &elastic).expect("all pairs");
             // Four vibrations, and three directions for each of three terms.
             assert_eq!(pairs.len(), 4 + 9, "{scale}");
-            let one = of_pairs(&pairs, elastic.clone(), &springs, Forces::reciprocal(&force, &load));
-            let other = of_first_order(&squares, None, (elastic, &springs), Forces::reciprocal(&force, &load)).unwrap();
+            let one = of_pairs(&pairs, elastic.clone(), &springs);
+            let other = of_first_order(&squares, None, elastic, &springs).unwrap();
+            let [one, other] = [one, other]
+                .map(|motions| coordinates(vec![(vec![0, 1, 2, 3], motions)], Forces::reciprocal(&force, &load)));
             for time in [0.01, 0.3, 2.0, 20.0] {
                 let [(x, v, e), (y, w, f)] = [&one, &other].map(|CoupledModes { modes, shapes, forms, .. }| {
                     let z = pushed(modes, time);

@@ -32,12 +32,12 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     ascending((values, vectors))
 }
 
-/// Returns F X for a positive semidefinite matrix A = FᵀF ([`semidefinite_factor`]). Uncoupled blocks of rows are
+/// Returns BᵀX for a positive semidefinite matrix A = BBᵀ ([`semidefinite_factor`]). Uncoupled blocks of rows are
 /// factorised separately: four equal blocks take a sixteenth of the time.
 pub fn semidefinite_factor_times(matrix: &DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
     let of_block = |rows: Vec<usize>| {
         let factor = semidefinite_factor(&matrix.select_rows(&rows).select_columns(&rows));
-        factor * columns.select_rows(&rows)
+        factor.tr_mul(&columns.select_rows(&rows))
     };
     let products: Vec<_> = coupled(matrix).into_iter().map(of_block).collect();
     let mut product = DMatrix::zeros(products.iter().map(DMatrix::nrows).sum(), columns.ncols());
@@ -49,31 +49,40 @@ pub fn semidefinite_factor_times(matrix: &DMatrix<f64>, columns: &DMatrix<f64>) 
     product
 }
 
-/// Returns F of a positive semidefinite matrix A = FᵀF. The number of rows of F is the rank of A, to rounding. Method:
-/// Cholesky factorisation with diagonal pivoting (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002,
-/// 10.3).
+/// Returns B of a positive semidefinite matrix A = BBᵀ. The number of columns of B is the rank of A, to rounding.
 pub fn semidefinite_factor(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let count = matrix.nrows();
+    let least = count as f64 * f64::EPSILON * matrix.diagonal().amax();
+    pivoted_factor(matrix, &DVector::repeat(count, 1.0), |left, _| left.max() <= least)
+}
+
+/// Returns the first columns of B of a positive semidefinite matrix A = BBᵀ, until a condition on the diagonal of the
+/// remainder and on the number of columns is true, or nothing remains. Method: Cholesky factorisation, in which each
+/// pivot has the largest product of its weight and its remaining diagonal entry (N. J. Higham, Accuracy and Stability of
+/// Numerical Algorithms, 2002, 10.3).
+pub fn pivoted_factor(
+    matrix: &DMatrix<f64>,
+    weights: &DVector<f64>,
+    mut ends: impl FnMut(&DVector<f64>, usize) -> bool,
+) -> DMatrix<f64> {
     let mut left = matrix.diagonal();
-    let least = count as f64 * f64::EPSILON * left.amax();
-    // Each row of F is stored as a column.
-    let mut rows: Vec<DVector<f64>> = Vec::new();
-    while rows.len() < count {
-        let (pivot, largest) = left.argmax();
-        if largest <= least {
+    let mut found: Vec<DVector<f64>> = Vec::new();
+    while !left.is_empty() && !ends(&left, found.len()) {
+        let pivot = left.component_mul(weights).imax();
+        if left[pivot] <= 0.0 {
             break;
         }
-        let mut row = matrix.column(pivot).into_owned();
-        for known in &rows {
-            row.axpy(-known[pivot], known, 1.0);
+        let mut next = matrix.column(pivot).into_owned();
+        for known in &found {
+            next.axpy(-known[pivot], known, 1.0);
         }
-        row /= largest.sqrt();
-        left.zip_apply(&row, |left, entry| *left -= entry * entry);
+        next /= left[pivot].sqrt();
+        left.zip_apply(&next, |left, entry| *left = (*left - entry * entry).max(0.0));
         // The pivot is eliminated exactly; rounding must not leave a remainder.
         left[pivot] = 0.0;
-        rows.push(row);
+        found.push(next);
     }
-    if rows.is_empty() { DMatrix::zeros(0, count) } else { DMatrix::from_columns(&rows).transpose() }
+    DMatrix::from_fn(matrix.nrows(), found.len(), |i, j| found[j][i])
 }
 
 /// Sorts eigenpairs by ascending eigenvalue.
@@ -274,19 +283,19 @@ mod tests {
         assert!((sum - DMatrix::identity(count, count)).amax() < 1e-13 && (product - matrix).amax() < 1e-12);
     }
 
-    /// FᵀF reproduces the matrix, with as many rows as its rank. A zero matrix gives no rows.
+    /// BBᵀ reproduces the matrix, with as many columns as its rank. A zero matrix gives no columns.
     #[test]
     fn factors_of_a_semidefinite_matrix() {
         let rows = DMatrix::from_fn(3, 8, |i, j| ((i + 1) as f64 * (j + 2) as f64).sin());
         let matrix = rows.tr_mul(&rows);
         let factor = semidefinite_factor(&matrix);
-        assert_eq!(factor.shape(), (3, 8));
+        assert_eq!(factor.shape(), (8, 3));
         // Rounding of three terms of size one.
-        assert!((factor.tr_mul(&factor) - matrix).amax() < 1e-14);
-        assert_eq!(semidefinite_factor(&DMatrix::zeros(8, 8)).shape(), (0, 8));
+        assert!((&factor * factor.transpose() - matrix).amax() < 1e-14);
+        assert_eq!(semidefinite_factor(&DMatrix::zeros(8, 8)).shape(), (8, 0));
     }
 
-    /// A matrix of two blocks with interlaced rows: (FX)ᵀ(FX) equals XᵀAX.
+    /// A matrix of two blocks with interlaced rows: (BᵀX)ᵀ(BᵀX) equals XᵀAX.
     #[test]
     fn factors_of_blocks() {
         let rows =

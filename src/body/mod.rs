@@ -1,7 +1,6 @@
 //! The body as the impact simulation sees it: operators, loads and impact point.
 
 mod assembled;
-mod axpy;
 mod block_matrix;
 mod chosen_steps;
 mod clamps;
@@ -10,7 +9,6 @@ mod common_basis;
 mod coupled_classes;
 mod coupled_modes;
 mod damped_pairs;
-mod dense_solve;
 pub(crate) mod deviates;
 mod diagonal_symmetry;
 mod direct;
@@ -33,8 +31,6 @@ mod operators;
 mod pads;
 mod projected;
 mod projection;
-mod rational_eigen;
-mod real_parts;
 mod relaxing_directions;
 mod row_blocks;
 mod run_length_matrix;

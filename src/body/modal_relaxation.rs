@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Relaxation;
+use super::eigen::semidefinite_factor;
 use super::relaxing_directions::{Directions, left_out};
 use crate::material::{Maxwell, Term};
 
@@ -66,6 +67,11 @@ impl ModalRelaxation {
             None => Some(part).filter(|part| part.distortion.amax() > 0.0),
             Some(directions) => part.in_directions(directions.of_class(modes), |_| true),
         }
+    }
+
+    /// Returns B with D = B Bᵀ.
+    pub fn factor(&self) -> DMatrix<f64> {
+        self.directions.as_ref().map_or_else(|| semidefinite_factor(&self.distortion), |few| few.factor.clone())
     }
 
     /// Splits the part into parts whose terms relax in the same directions.

@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::eigen::symmetric_eigen;
+use super::eigen::pivoted_factor;
 use crate::material::{Maxwell, Term};
 
 /// Ratio of the square root of the left-out fraction of the strain energy to the accuracy, if all terms relax. This
@@ -21,17 +21,6 @@ const LEFT_OUT: f64 = 6.0;
 /// Assumed ratio of the frequency of the fastest vibrations that matter to the rate of the modes. A term that relaxes
 /// faster is a dashpot in all of them. An estimate.
 const FASTEST_VIBRATION: f64 = 100.0;
-
-/// Ratio to the largest eigenvalue of D below which an eigenvalue is rounding.
-const ROUNDING: f64 = 1e-14;
-
-/// Returns B with all principal directions of D.
-pub fn all_directions(distortion: &DMatrix<f64>) -> DMatrix<f64> {
-    let (values, directions) = symmetric_eigen(distortion.clone());
-    let largest = values.amax();
-    let kept: Vec<usize> = (0..values.len()).filter(|&i| values[i] > ROUNDING * largest).collect();
-    DMatrix::from_fn(values.len(), kept.len(), |i, j| values[kept[j]].sqrt() * directions[(i, kept[j])])
-}
 
 /// Returns the amplitudes of vibrations after an impact, from their squared frequencies (1/s²) and modal forces.
 /// Vibrations faster than a rate (1/s) have reduced amplitudes.
@@ -74,39 +63,18 @@ impl Directions {
     /// Computes the directions for modes of the given amplitudes and fractions of the strain energy that may be left
     /// out. `None` if the modes do not move.
     pub fn new(distortion: &DMatrix<f64>, amplitudes: &DVector<f64>, left_out: &[f64]) -> Option<Self> {
-        if amplitudes.is_empty() {
-            return None;
-        }
         let weights = amplitudes.map(|amplitude| amplitude * amplitude);
-        let mut left = distortion.diagonal();
-        let all = left.dot(&weights);
-        let mut found: Vec<DVector<f64>> = Vec::new();
+        let all = distortion.diagonal().dot(&weights);
         let mut counts = vec![None; left_out.len()];
-        loop {
+        let factor = pivoted_factor(distortion, &weights, |left, found| {
             let energy = left.dot(&weights);
             for (count, _) in counts.iter_mut().zip(left_out).filter(|(_, part)| energy <= **part * all) {
-                count.get_or_insert(found.len());
+                count.get_or_insert(found);
             }
-            let pivot = left.component_mul(&weights).imax();
-            if counts.iter().all(Option::is_some) || left[pivot] <= 0.0 {
-                break;
-            }
-            let mut next = distortion.column(pivot).into_owned();
-            for known in &found {
-                next.axpy(-known[pivot], known, 1.0);
-            }
-            next /= left[pivot].sqrt();
-            left.zip_apply(&next, |left, entry| *left = (*left - entry * entry).max(0.0));
-            // The pivot is eliminated exactly; rounding must not leave a remainder.
-            left[pivot] = 0.0;
-            found.push(next);
-        }
-        let counts = counts.into_iter().map(|count| count.unwrap_or(found.len())).collect();
-        let columns = |found: &[DVector<f64>]| match found {
-            [] => DMatrix::zeros(distortion.nrows(), 0),
-            found => DMatrix::from_columns(found),
-        };
-        (all > 0.0).then(|| Self { factor: columns(&found), counts })
+            counts.iter().all(Option::is_some)
+        });
+        let counts = counts.into_iter().map(|count| count.unwrap_or(factor.ncols())).collect();
+        (all > 0.0).then_some(Self { factor, counts })
     }
 
     /// Restricts the directions to modes that no column couples with other modes.

@@ -5,7 +5,7 @@ use petsc_wrap::{
     options,
 };
 
-use super::blocks::Triangle;
+use super::blocks::{SIZE, Triangle};
 use super::incomplete::IncompleteCholesky;
 use super::substructure::Substructures;
 
@@ -127,10 +127,8 @@ pub fn solver_of_nodes(
         }
         Method::Incomplete { tolerance } => {
             ksp.set_type("cg")?;
-            let triangle = Triangle::new(matrix, places)?;
-            let mut factor = IncompleteCholesky::new(&triangle);
-            let operator = triangle.into_operator(matrix)?;
-            ksp.set_closure(&operator, move |b, x| factor.solve(b, x))?;
+            let mut factor = IncompleteCholesky::new(Triangle::new(matrix, places)?);
+            ksp.set_closure(&*matrix.upper_triangle(SIZE)?, move |b, x| factor.solve(b, x))?;
             start_from_guess(&mut ksp)?;
             tolerance
         }

@@ -3,10 +3,8 @@
 
 mod blocks;
 mod incomplete;
-mod lanes;
 pub mod linear;
 mod newton;
-mod nodal_product;
 mod ordering;
 pub mod root;
 mod substructure;
@@ -14,4 +12,3 @@ pub mod triangle;
 
 pub use linear::Method;
 pub use newton::Newton;
-pub use nodal_product::nodal_product;

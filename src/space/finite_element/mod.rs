@@ -29,7 +29,7 @@ use crate::error::{Error, Result};
 use crate::material::Maxwell;
 use crate::mesh::Mesh;
 use crate::scene::{Contact, Fault, Geometry, Scene, Scheme, Vec3};
-use crate::solve::{Method, nodal_product};
+use crate::solve::Method;
 
 use assembly::{Components, node_graph};
 use volume::{distortion, mass_by_node, stiffness};
@@ -71,8 +71,7 @@ impl Body {
         let elastic = stiffness(&description.parts, mesh, of_components.zeros()?)?;
         let mass = of_components.like(&elastic)?;
         drop(of_components);
-        let products = Some([nodal_product(&of_nodes)?, elastic.upper_triangle(3)?]);
-        of_nodes.destroy()?;
+        let products = Some([of_nodes.by_component(3)?, elastic.upper_triangle(3)?]);
         let space = FiniteElements::new(mesh);
         check_parts(scene, &space)?;
         let SurfaceTerms { support, damping, load, support_load, support_offset, pads } =
