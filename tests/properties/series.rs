@@ -109,11 +109,11 @@ fn everything_written_is_read_back() {
         assert_eq!(text(&file, "title"), given.origin.title);
         // Longer than an attribute may be.
         let scene = file.dataset("scene").unwrap().read_raw::<u8>().unwrap();
-        assert_eq!(String::from_utf8(scene).unwrap(), given.scene);
-        assert_eq!(text(&file, "version"), given.version);
-        assert_eq!(text(&file, "commit"), given.commit);
-        assert_eq!(text(&file, "petsc_version"), given.petsc_version);
-        assert_eq!(text(&file, "petsc_options"), given.petsc_options);
+        assert_eq!(String::from_utf8(scene).unwrap(), given.origin.scene);
+        assert_eq!(text(&file, "version"), given.origin.version);
+        assert_eq!(text(&file, "commit"), given.origin.commit);
+        assert_eq!(text(&file, "petsc_version"), given.origin.petsc_version);
+        assert_eq!(text(&file, "petsc_options"), given.origin.petsc_options);
         assert_eq!(text(&file, "model"), given.model);
         assert_eq!(text(&file, "reduction"), given.reduction);
         assert_eq!(number::<u64>(&file, "ranks"), 2);
@@ -178,7 +178,7 @@ fn child() {
         return;
     }
     let between: usize = job.parse().unwrap();
-    let mut writer = SeriesWriter::create(path, &provenance("", Some(200_000), &Points::default())).unwrap();
+    let mut writer = SeriesWriter::create(path, &provenance("", Some(200_000)), &Points::default()).unwrap();
     for n in 0..200_000 {
         writer.push(&step(n), &Reading::default()).unwrap();
         if n % between == between - 1 {

@@ -251,7 +251,7 @@ impl Row {
     /// Position of the limit relative to the axis of the time steps; `None` without a limit.
     fn side(&self, steps: &Scale) -> Option<Ordering> {
         let has_limit = self.limit > 0.0 && self.limit.is_finite();
-        has_limit.then(|| match self.limit {
+        has_limit.then_some(match self.limit {
             limit if limit < steps.low => Ordering::Less,
             limit if limit > steps.high => Ordering::Greater,
             _ => Ordering::Equal,
