@@ -76,7 +76,7 @@ impl<'a> Bench<'a> {
     /// Result of an earlier run, if it was made on the same number of ranks with the same options.
     fn kept(&self, name: &str, (scene, source): (&Scene, &Source), repeated: bool) -> Result<Option<Attempt>> {
         let own = self.folder.as_ref().and_then(|(path, _)| self.read(&path.join(name), (scene, source), repeated));
-        // The other ranks need only the times, which determine the next runs.
+        // The times determine the next runs of all ranks.
         let told = of_root(self.comm, Some(own.clone()));
         Ok(own.or(told))
     }

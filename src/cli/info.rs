@@ -223,6 +223,7 @@ impl SweepFacts {
                 0 => String::new(),
                 without => format!(" ({} without an estimate)", counted(*without, "member")),
             };
+            let what = if *what == "stress" { "largest tension" } else { what };
             Some(format!("{} of the {what}{without}", estimated((*largest)?)))
         });
         let known: Vec<String> = known.collect();

@@ -59,7 +59,7 @@ pub fn load(comm: &Comm, arguments: &SceneArguments) -> Result<Loaded> {
         true => set_options(comm, &stored_options)?,
         // Such an option may write to any file, and a result may come from somebody else.
         false if !stored_options.is_empty() && comm.is_root() => tracing::warn!(
-            "{} was made with options for PETSc, which are not applied: {stored_options} (`ricochet run --stored-options` applies them)",
+            "{} was made with options for PETSc, which are not applied: {stored_options} (`--stored-options` applies them)",
             shown(path)
         ),
         false => {}

@@ -134,6 +134,9 @@ impl Progress {
         self.left.over(done);
         let (time, force) = (1e3 * step.time, step.contact.force);
         let state = || format!("t = {time:.3} of {:.3} ms, F = {force:.1} N{}", 1e3 * end, self.left.words(done));
+        if step.number == 0 {
+            return;
+        }
         self.shown.show((Self::PARTS as f64 * done) as u64, state, || format!("step {}, {}", step.number, state()));
     }
 

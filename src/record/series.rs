@@ -150,7 +150,8 @@ impl SeriesWriter {
             let mut series = writer.datasets.series.iter().zip(columns);
             series.try_for_each(|(dataset, values)| put(dataset, 0, values))?;
             let EarlierTensions { faces, ring } = tensions;
-            writer.datasets.tensions.append(0, faces, ring.as_deref().unwrap_or_default())?;
+            let ring = ring.clone().unwrap_or_else(|| vec![f64::NAN; rows]);
+            writer.datasets.tensions.append(0, faces, &ring)?;
             writer.datasets.probes.append(0, probes)
         };
         copy().map_err(|e| not_written(path, &e))?;

@@ -2,17 +2,16 @@
 
 use crate::contact::ForceLaw;
 use crate::form;
-use crate::impact::steps;
+use crate::impact::{Plan, steps};
 use crate::material::Material;
 use crate::scene::{
-    Body, Geometry, Impactor, Initial, Layer, Parts, STANDARD_GRAVITY, Scene, Scheme, Support, SupportKind, Symmetry,
-    Within,
+    Body, Geometry, Impactor, Initial, Layer, Measure, Parts, STANDARD_GRAVITY, Scene, Scheme, Support, SupportKind,
+    Symmetry, Within,
 };
 
 use super::data::Data;
 use super::number::{
-    FORCE, LENGTH, MASS, MODULUS, SPEED, STRESS, TIME, by_component, computed, digits, given, percent, plain, vector,
-    with_unit,
+    FORCE, LENGTH, MASS, MODULUS, SPEED, STRESS, TIME, by_component, computed, digits, given, plain, vector, with_unit,
 };
 use super::page::{Block, Fact, Section};
 use super::relaxation;
@@ -27,7 +26,7 @@ pub fn section(data: &Data) -> Section {
             parts.push(facts("Supports", supports(scene), "none. The body is free"));
             parts.push(facts("Impactor and contact", impactor(scene), ""));
             parts.push(facts("Loads", loads(scene), "none but the impact"));
-            parts.push(facts("Time", time(scene), ""));
+            parts.push(facts("Time", time(scene, None), ""));
         }
         Err(reason) => parts.push(Block::Text(format!(
             "This version of ricochet cannot read the scene ({reason}), so it is given by its text alone."
@@ -222,33 +221,38 @@ fn law(impactor: &Impactor) -> String {
 
 /// Facts about the loads beside the impact.
 pub fn loads(Scene { load, .. }: &Scene) -> Vec<Fact> {
-    let of_body = [("Whole body", load.body_force, "N/m³"), ("Gravity", load.gravity, "m/s²")];
+    let of_body = [("Body force", load.body_force, "N/m³"), ("Gravity", load.gravity, "m/s²")];
     let of_body = of_body.into_iter().filter(|(_, value, _)| *value != [0.0; 3]);
     let of_body = of_body.map(|(name, value, unit)| Fact::new(name, vector(value, unit)));
     let tractions = load.traction.iter();
-    let tractions = tractions.map(|of| Fact::new(place(&of.surface, of.within), vector(of.value, "N/m²")));
+    let tractions = tractions
+        .map(|of| Fact::new(format!("Traction on {}", place(&of.surface, of.within)), vector(of.value, "N/m²")));
     of_body.chain(tractions).collect()
 }
 
-/// Facts about the time and its steps.
-pub fn time(scene: &Scene) -> Vec<Fact> {
+/// Facts about the time and its steps: those of a plan, or, without one, those that the scene asks for.
+pub fn time(scene: &Scene, plan: Option<&Plan>) -> Vec<Fact> {
     let time = &scene.time;
     let initial = match time.initial {
         Initial::Rest => "at rest, undeformed",
         Initial::Equilibrium => "at rest, deformed by its loads and supports",
     };
     let scheme = match time.scheme {
-        _ if time.modal => "modal coordinates; the linear part is exact".to_owned(),
+        _ if time.modal => "modal coordinates, exact in the linear part".to_owned(),
         Scheme::Newmark { beta, gamma } => format!("Newmark, β = {}, γ = {}", plain(beta), plain(gamma)),
         Scheme::GeneralizedAlpha { rho_inf } => format!("generalised-α, ρ∞ = {}", plain(rho_inf)),
         Scheme::Energy => "energy-conserving midpoint rule".to_owned(),
         Scheme::CentralDifference { .. } => "central difference, lumped mass".to_owned(),
     };
-    let of_time = match time.step {
-        Some(step) => format!("{} of {}", steps(time.end, step), given(step, TIME)),
-        None => {
-            format!("chosen for an error of {} of the peak acceleration in the first contact", percent(scene.tolerance))
-        }
+    let of_peak = match scene.measure {
+        Measure::Acceleration => "the peak acceleration",
+        Measure::Stress => "the largest tension",
+        Measure::Deflection => "the largest deflection",
+    };
+    let of_time = match (plan, time.step) {
+        (Some(Plan::Equal { step }), _) => format!("{} of {}", steps(time.end, *step), given(*step, TIME)),
+        (None, Some(step)) => format!("{} each", given(step, TIME)),
+        _ => format!("chosen for an error of {} of {of_peak}", plain(scene.tolerance)),
     };
     vec![
         Fact::new("Duration", given(time.end, TIME)),
@@ -274,4 +278,34 @@ pub fn sentence(scene: &Scene) -> String {
         short_speed(*speed),
         vector(*point, "m")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Wrong units are seen from the facts about layers, strengths, loads and steps.
+    #[test]
+    fn facts_have_their_units() {
+        let text = "[body]\nsize = [0.5, 0.5]\ntemperature = 20.0\n[[body.layer]]\nthickness = 0.01\nmaterial = \"soft\"\n\
+             [material.soft]\ndensity = 1100\nbulk = 2e9\nshear = 1e6\nprony = [{ modulus = 4e7, time = 1e-4 }]\n\
+             wlf = { c1 = 20.0, c2 = 90.0, reference = 20.0 }\n[strength]\ntension = 45e6\nface = { upper = 9e4 }\n\
+             [load]\ngravity = [0, 0, -9.81]\n[[load.traction]]\nsurface = \"top\"\nvalue = [0, 0, -1e3]\n\
+             [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e8\nspeed = 1.0\n[time]\nend = 1e-3\n";
+        let scene = Scene::parse("scene", text, &[]).unwrap_or_else(|error| panic!("{error}")).0;
+        let plan = Plan::Equal { step: 2e-6 };
+        let facts = [body(&scene), loads(&scene), time(&scene, Some(&plan))].concat();
+        let value = |name: &str| {
+            let fact = facts.iter().find(|fact| fact.name == name).unwrap_or_else(|| panic!("{name}: {facts:?}"));
+            fact.value.replace('\u{a0}', " ").replace('\u{2212}', "-")
+        };
+        assert!(
+            value("Layer 1 (soft)")
+                .ends_with("shear modulus from 41.00 MPa at t → 0 down to 1 MPa (Maxwell chain, terms: 1)")
+        );
+        let others = ["Temperature", "Strength", "Gravity", "Traction on top", "Steps"].map(value);
+        let wanted =
+            ["20 °C", "45 MPa, 90 kPa on the face upper", "(0, 0, -9.81) m/s²", "(0, 0, -1000) N/m²", "500 of 2 µs"];
+        assert_eq!(others, wanted);
+    }
 }

@@ -81,7 +81,7 @@ pub(super) fn support_lines(scene: &Scene) -> Vec<String> {
 /// Facts in one line.
 fn joined(facts: Vec<Fact>) -> String {
     let all = facts.iter().map(|Fact { name, value, .. }| format!("{} {value}", in_sentence(name)));
-    in_terminal(&all.collect::<Vec<_>>().join(", "))
+    in_terminal(&all.collect::<Vec<_>>().join("; "))
 }
 
 /// Name of a fact without a capital at its beginning.
@@ -99,7 +99,7 @@ fn in_terminal(text: &str) -> String {
 /// geometry.
 fn print_measures(measures: &Measures) {
     let [[x0, y0, z0], [x1, y1, z1]] = measures.bounds.map(|corner| corner.map(short));
-    say(format_args!("           x {x0} to {x1} m, y {y0} to {y1} m, z {z0} to {z1} m; {} m³", short(measures.volume)));
+    say(format_args!("bounds     x {x0} to {x1} m, y {y0} to {y1} m, z {z0} to {z1} m; {} m³", short(measures.volume)));
     for Surface { name, area } in &measures.surfaces {
         say(format_args!("surface    {name:?}: {} m²", short(*area)));
     }
@@ -145,10 +145,10 @@ fn print_contact(scene: &Scene, footprint: Option<Footprint>) {
 fn print_time(scene: &Scene, plan: Option<&Plan>) {
     let in_contact = match plan {
         Some(Plan::Equal { step }) => format!("; {:.0} steps in that contact", scene.impactor.contact_time() / step),
-        Some(Plan::Controlled { first, .. }) => format!("; {first:.2e} s at first in contact"),
+        Some(Plan::Controlled { first }) => format!("; {first:.2e} s at first in contact"),
         None => String::new(),
     };
-    say(format_args!("time       {}{in_contact}", joined(facts::time(scene))));
+    say(format_args!("time       {}{in_contact}", joined(facts::time(scene, plan))));
 }
 
 /// Description of the relaxation terms used for each viscoelastic part.

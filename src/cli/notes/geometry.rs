@@ -201,6 +201,17 @@ pub(super) mod tests {
         of_geometry(&pane(overrides), None).iter().any(|warning| warning.kind == kind)
     }
 
+    /// A contact radius larger than the distance to the nearest edge gives a warning. With F = k α, the indentation at a wall
+    /// is v √(m/k) = 3 mm, and √(R α) = 9.5 mm.
+    #[test]
+    fn a_contact_that_an_edge_cuts_off_is_noted() {
+        let is_cut = |x: f64| {
+            let point = format!("impactor.point=[{x},0.1,0.006]");
+            is_noted("contact at an edge", &["impactor.radius=0.03", &point])
+        };
+        assert!(is_cut(0.391) && !is_cut(0.39));
+    }
+
     /// A table in mm and kN has forces far below the weight of the impactor; a direction along the face is no impact.
     #[test]
     fn units_of_a_law_and_a_grazing_direction_are_noted() {

@@ -20,8 +20,6 @@ pub enum Plan {
     Controlled {
         /// First guess of the step in contact, s.
         first: f64,
-        /// Allowed error of the acceleration over its peak.
-        tolerance: f64,
     },
 }
 
@@ -41,8 +39,7 @@ impl Plan {
             (_, Some(step)) => Self::Equal { step },
             (scheme, None) => {
                 check_stable(scheme)?;
-                let tolerance = scene.tolerance;
-                Self::Controlled { first: controlled::first_step(parameters, tolerance, scene.time.end)?, tolerance }
+                Self::Controlled { first: controlled::first_step(parameters, scene.tolerance, scene.time.end)? }
             }
         })
     }
@@ -50,7 +47,7 @@ impl Plan {
     /// Step size, or first guess of the step in contact, s.
     pub fn step(&self) -> f64 {
         match *self {
-            Self::Equal { step } | Self::Controlled { first: step, .. } => step,
+            Self::Equal { step } | Self::Controlled { first: step } => step,
         }
     }
 }

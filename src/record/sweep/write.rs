@@ -81,8 +81,17 @@ impl SweepWriter {
         } else {
             storage::open_to_write(path).map_err(|error| not_written(path, &error))?
         };
-        let sweep = Sweep::of(path, file)?;
-        header.check_same(&sweep.header).map_err(|why| Error::io(path, format!("{why}: choose another file")))?;
+        let read = || {
+            let sweep = Sweep::of(path, file)?;
+            header.check_same(&sweep.header).map_err(|why| Error::io(path, format!("{why}: choose another file")))?;
+            Ok(sweep)
+        };
+        // A new sweep that cannot be read again is not left behind.
+        let sweep = read().inspect_err(|_: &Error| {
+            if is_new {
+                let _ = std::fs::remove_file(path);
+            }
+        })?;
         Ok(Self {
             contacts_written: if sweep.matches_file_contacts { sweep.contacts.len() } else { 0 },
             rewrites_contacts: !sweep.matches_file_contacts,

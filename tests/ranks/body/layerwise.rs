@@ -4,8 +4,8 @@ use crate::laminated::{Reference, reference};
 use crate::modelled::{make_model, parse, run, watch};
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
-use ricochet::impact::step::Step;
 use ricochet::impact::Cause;
+use ricochet::impact::step::Step;
 use ricochet::scene::Model as Theory;
 
 pub const ALONE: &[Test<Session>] = tests![

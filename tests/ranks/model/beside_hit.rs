@@ -1,11 +1,11 @@
 //! Stresses on the lower face under the impact point and next to it: through a first contact, compared with solids of
 //! another program; and statically, compared with the exact series of a thick plate.
 
-use std::f64::consts::PI;
 use mpi_test::{Test, tests};
 use petsc_wrap::{Comm, Session};
 use ricochet::form::hertz_wave;
 use ricochet::scene::Model as Theory;
+use std::f64::consts::PI;
 
 use crate::model::independent::{FOLDER, History};
 use crate::modelled::{make_model, parse, watch};
