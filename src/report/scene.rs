@@ -294,7 +294,7 @@ mod tests {
              [impactor]\nmass = 1.0\nradius = 0.05\nstiffness = 1e8\nspeed = 1.0\n[time]\nend = 1e-3\n";
         let scene = Scene::parse("scene", text, &[]).unwrap_or_else(|error| panic!("{error}")).0;
         let plan = Plan::Equal { step: 2e-6 };
-        let facts = [body(&scene), loads(&scene), time(&scene, Some(&plan))].concat();
+        let facts: Vec<Fact> = [body(&scene), loads(&scene), time(&scene, Some(&plan))].into_iter().flatten().collect();
         let value = |name: &str| {
             let fact = facts.iter().find(|fact| fact.name == name).unwrap_or_else(|| panic!("{name}: {facts:?}"));
             fact.value.replace('\u{a0}', " ").replace('\u{2212}', "-")
