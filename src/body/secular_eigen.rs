@@ -26,8 +26,9 @@ use super::block_matrix::real_times_complex;
 use super::eigen::symmetric_eigen;
 use crate::material::Maxwell;
 
-/// Largest number of iterations for one pair.
+/// Largest number of iterations for one pair, and where it is searched again.
 const MAX_ITERATIONS: usize = 12;
+const MAX_ITERATIONS_AGAIN: usize = 60;
 
 /// Relative change of λ after which one more iteration is accurate to rounding.
 const CLOSE: f64 = 1e-6;
@@ -148,7 +149,7 @@ impl<'a> Secular<'a> {
         let mut rate = -(-(own.dot(&own) * g + square)).sqrt();
         let mut convergence = Convergence::new();
         let (mut shape, mut slope) = (DVector::zeros(self.squares.len()), Complex::new(0.0, 0.0));
-        for _ in 0..MAX_ITERATIONS {
+        for _ in 0..most_iterations(known) {
             let [g, of_g] = self.excess(rate);
             let mut receptances = self.receptances(rate);
             receptances[mode] = Complex::new(0.0, 0.0);
@@ -172,7 +173,7 @@ impl<'a> Secular<'a> {
     /// Refines an approximate real pair, other than the known ones; `None` if the iterations do not converge.
     fn creep(&self, mut rate: f64, mut y: DVector<f64>, known: &[Pair]) -> Option<Pair> {
         let mut convergence = Convergence::new();
-        for _ in 0..MAX_ITERATIONS {
+        for _ in 0..most_iterations(known) {
             let [g, of_g] = self.excess(rate);
             let receptances = self.receptances(rate);
             let system = plus_one(self.sum(&receptances) * g);
@@ -251,8 +252,13 @@ impl<'a> Secular<'a> {
     }
 }
 
+/// Largest number of iterations of a search, beside the known pairs of a repeated one.
+fn most_iterations(known: &[Pair]) -> usize {
+    if known.is_empty() { MAX_ITERATIONS } else { MAX_ITERATIONS_AGAIN }
+}
+
 /// Returns a number of different pairs; `None` if fewer are found. A search that fails or leads to a pair of another
-/// search is repeated with all other pairs as the known ones.
+/// search is repeated with all other pairs as the known ones, from its own and from all other starts.
 fn found_once(count: usize, search: impl Fn(usize, &[Pair]) -> Option<Pair>) -> Option<Vec<Pair>> {
     let is_new = |pair: &Pair, pairs: &[Pair]| !pairs.iter().any(|other| pair.is(other));
     let (mut pairs, mut open) = (Vec::with_capacity(count), Vec::new());
@@ -263,7 +269,8 @@ fn found_once(count: usize, search: impl Fn(usize, &[Pair]) -> Option<Pair>) -> 
         }
     }
     for number in open {
-        let pair = search(number, &pairs).filter(|pair| is_new(pair, &pairs))?;
+        let again = |start| search(start, &pairs).filter(|pair| is_new(pair, &pairs));
+        let pair = std::iter::once(number).chain(0..count).find_map(again)?;
         pairs.push(pair);
     }
     Some(pairs)
@@ -326,6 +333,11 @@ mod tests {
         let at = |rates: std::ops::Range<usize>, lost: usize| -> Vec<Pair> {
             rates.filter(|&number| number != lost).map(|number| all[number].clone()).collect()
         };
+        // Searches that lead to a neighbour's pair are repeated.
+        let search =
+            |mode: usize, known: &[Pair]| secular.vibration(if known.is_empty() { mode / 2 } else { mode }, known);
+        let found = found_once(6, search).expect("all vibrations");
+        assert!(all[..6].iter().all(|pair| found.iter().any(|other| other.is(pair))));
         for lost in 0..6 {
             for mode in 0..6 {
                 let pair = secular.vibration(mode, &at(0..6, lost)).expect("a vibration");

@@ -9,7 +9,7 @@ use crate::material::Maxwell;
 use crate::scene::{self, Scene};
 use crate::space::evaluate::ContactSize;
 
-use super::{Dynamics, JudgeBasis, Model, Simulation};
+use super::{Dynamics, JudgeBasis, Model, Simulation, has_automatic_basis, may_lack_rotations};
 
 /// A body reduced to a basis. The error of the basis in each impact is estimated by the force on a second basis.
 pub struct SharedModel {
@@ -97,7 +97,8 @@ impl SharedModel {
                 let (other, _) = ModalImpact::new(scene, own.as_ref().unwrap_or(judge)).trace(Some(*steps))?;
                 let mut of_basis = rule.errors(force.difference(&other));
                 // Two bases that both lack the rotations of the body agree and are wrong.
-                if error.of(Cause::Basis).is_some_and(|of_basis| of_basis.deflection.is_nan()) {
+                let may_lack = || may_lack_rotations(scene) && !has_automatic_basis(scene);
+                if error.of(Cause::Basis).map_or_else(may_lack, |of_basis| of_basis.deflection.is_nan()) {
                     of_basis.deflection = f64::NAN;
                 }
                 error.with(Cause::Basis, of_basis)

@@ -22,8 +22,9 @@ struct Attempt {
 /// Attempts in their order; the first one for which all diagonal blocks remain positive definite is used. A relaxation
 /// of 0.9 reduces the iterations of a time step of 2e-5 s from 16 to 11. With a larger one, no such factor exists for
 /// stiffer operators.
-const ATTEMPTS: [Attempt; 3] = [
+const ATTEMPTS: [Attempt; 4] = [
     Attempt { relaxation: 0.9, shift: 0.0 },
+    Attempt { relaxation: 0.5, shift: 0.0 },
     Attempt { relaxation: 0.0, shift: 0.0 },
     Attempt { relaxation: 0.0, shift: 0.1 },
 ];

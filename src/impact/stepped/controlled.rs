@@ -69,7 +69,7 @@ pub(super) fn first_step(parameters: &ImpactParameters, tolerance: f64, end: f64
 
 impl SteppedImpact {
     /// Restores the state of a checkpoint. Collective.
-    pub(super) fn resumed(&mut self, checkpoint: &Checkpoint) -> Result<StepDoubling> {
+    pub(super) fn restored_doubling(&mut self, checkpoint: &Checkpoint) -> Result<StepDoubling> {
         let mut doubling = StepDoubling::new(&mut self.body, &self.parameters)?;
         self.visit_doubling(&mut doubling, &mut Visitor::restore(checkpoint))?;
         Ok(doubling)

@@ -238,7 +238,7 @@ impl TimeIntegration for SteppedImpact {
     /// Returns [`Error::Output`] for a checkpoint of another kind of run or on another basis.
     fn resume(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         self.resumed = if matches!(self.plan, Plan::Controlled { .. }) {
-            Resumed::Chosen(Box::new(self.resumed(checkpoint)?))
+            Resumed::Chosen(Box::new(self.restored_doubling(checkpoint)?))
         } else {
             self.visit(&mut Visitor::restore(checkpoint))?;
             Resumed::Equal

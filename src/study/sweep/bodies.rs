@@ -37,7 +37,7 @@ pub struct Bodies<'a> {
     grouping: &'a Grouping,
     scene_of: &'a dyn Fn(usize) -> Result<Scene>,
     /// The theory that `auto` selected for all members, with its estimated errors, if any member asks for `auto`.
-    theory: Option<(scene::Model, Errors)>,
+    theory: Option<(scene::Model, Option<Errors>)>,
     /// Whether the energies are computed at each step.
     has_energies: bool,
     kept: HashMap<BodyOf, Rc<SharedModel>>,
@@ -192,7 +192,10 @@ impl<'a> Bodies<'a> {
             };
             let made = match made {
                 // If one body of the family fails, the other members may still be computed separately.
-                Err(Error::Solve(_) | Error::Fault(_)) => None,
+                Err(why @ (Error::Solve(_) | Error::Fault(_))) => {
+                    tracing::debug!("members have bases of their own: {why}");
+                    None
+                }
                 made => Some(made?),
             };
             self.families.insert(body.clone(), made);
@@ -231,7 +234,7 @@ impl<'a> Bodies<'a> {
     /// An error estimate with the errors of the theory that `auto` selected for all members, if the scene asks for `auto`.
     fn with_error_of_theory(&self, scene: &Scene, error: ErrorEstimate) -> ErrorEstimate {
         match (scene.body.model, self.theory) {
-            (scene::Model::Auto, Some((_, of_theory))) => error.with(Cause::Theory, of_theory),
+            (scene::Model::Auto, Some((_, Some(of_theory)))) => error.with(Cause::Theory, of_theory),
             _ => error,
         }
     }
@@ -242,6 +245,10 @@ impl<'a> Bodies<'a> {
     /// Same as [`Model::made`].
     pub(super) fn make(&self, scene: &Scene, watch: &dyn Watch) -> Result<Model> {
         let model = Model::made(&ModelContext::new(&self.comm, watch), &self.named(scene.clone()))?;
+        // Without a contact nothing is estimated.
+        if model.is_untouched {
+            return Ok(model);
+        }
         Ok(Model { error: self.with_error_of_theory(scene, model.error), ..model })
     }
 

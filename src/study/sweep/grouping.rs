@@ -35,8 +35,8 @@ pub struct Found {
     /// First tested member for which the layerwise theory suffices. It is given if all members are computed as solids and
     /// the layerwise theory admits the member in `asked_by`, too.
     pub layerwise_suffices: Option<usize>,
-    /// Largest errors of this theory that `auto` estimated.
-    pub errors: Errors,
+    /// Largest errors of this theory that `auto` estimated, if it estimated any.
+    pub errors: Option<Errors>,
     /// Models of this theory that were made to select it, with their scenes; each has the basis of its own body.
     pub(super) made: Vec<(Scene, Model)>,
 }
@@ -143,13 +143,7 @@ impl Grouping {
         asked.extend(hardest.map(|member| member.index));
         asked.sort_unstable();
         asked.dedup();
-        let none = |theory| Found {
-            theory,
-            asked_by: None,
-            layerwise_suffices: None,
-            errors: Errors::default(),
-            made: Vec::new(),
-        };
+        let none = |theory| Found { theory, asked_by: None, layerwise_suffices: None, errors: None, made: Vec::new() };
         let mut found = none(scene::Model::HalfSpace);
         let (mut theories, mut failed) = (Vec::new(), None);
         for index in asked {
@@ -166,7 +160,9 @@ impl Grouping {
                 found = none(model.theory);
             }
             if model.theory == found.theory {
-                found.errors = found.errors.max(model.error.of(Cause::Theory).unwrap_or_default());
+                if let Some(errors) = model.error.of(Cause::Theory) {
+                    found.errors = Some(found.errors.map_or(errors, |largest| largest.max(errors)));
+                }
                 // A model made by several ranks together can be read by only one of them. For layers `auto` uses a
                 // smaller tolerance for cells and basis than the layerwise theory called by its name. Such models are
                 // not kept.

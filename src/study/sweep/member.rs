@@ -48,9 +48,9 @@ pub fn simulate(
         bodies.simulate(index, scene, &interrupted, &mut |step| observe(step, &[]))
     } else {
         let watch = watch::Until(comm, &*interrupted);
-        let model = bodies.make(scene, &watch);
-        let simulation = model.and_then(|model| Simulation::new(&bodies.named(scene.clone()), model));
-        simulation.and_then(|mut simulation| run(scene, &mut simulation, &*interrupted, None, observe))
+        let named = &bodies.named(scene.clone());
+        let simulation = bodies.make(scene, &watch).and_then(|model| Simulation::new(named, model));
+        simulation.and_then(|mut simulation| run(named, &mut simulation, &*interrupted, None, observe))
     };
     if let Err(Error::Interrupted) = computed { Ok(None) } else { computed }
 }

@@ -117,7 +117,9 @@ fn small_areas_add_the_dent_of_a_half_space(session: &Session) {
         );
         let ran = run(&comm, &text);
         // The surface's displacement is the path of the impactor less α, whatever part of it the body computes.
-        let apart = |step: &Step| step.impactor.position - step.contact.indentation - step.contact.surface_displacement;
+        let apart = |step: &ricochet::impact::step::Step| {
+            step.impactor.position - step.contact.indentation - step.contact.surface_displacement
+        };
         let is_given = area.contains("area");
         assert!(!is_given || ran.steps.iter().all(|step| step.contact.force == 0.0 || apart(step).abs() < 1e-9));
         force(&ran)

@@ -4,8 +4,8 @@
 use crate::glass::plate;
 use crate::modelled::{make_model, parse, run_scene};
 use mpi_test::{Test, tests};
-use petsc_wrap::{Comm, Session};
-use ricochet::scene::{self, Scene};
+use petsc_wrap::Session;
+use ricochet::scene;
 use ricochet::space::spline;
 
 pub const RANKS: &[usize] = &[1, 2];
