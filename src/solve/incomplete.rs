@@ -44,12 +44,13 @@ impl IncompleteCholesky {
         let work = vec![Vector3::zeros(); triangle.diagonal.len()];
         let found = ATTEMPTS.iter().find_map(|attempt| eliminate(&triangle, attempt));
         let Triangle { order, offsets, columns, diagonal, blocks } = triangle;
-        let (diagonal, blocks) = found.unwrap_or_else(|| {
+        let Eliminated { inverses, blocks } = found.unwrap_or_else(|| {
             // The diagonal blocks are a preconditioner for every such matrix.
             let inverse = |block: &Matrix3<f64>| inverse(block).unwrap_or_else(Matrix3::identity);
-            (diagonal.iter().map(inverse).collect(), vec![Matrix3::zeros(); blocks.len()])
+            let inverses = diagonal.iter().map(inverse).collect();
+            Eliminated { inverses, blocks: vec![Matrix3::zeros(); blocks.len()] }
         });
-        Self { factor: Triangle { order, offsets, columns, diagonal, blocks }, work }
+        Self { factor: Triangle { order, offsets, columns, diagonal: inverses, blocks }, work }
     }
 
     /// Computes x ← (Uᵀ D U)⁻¹ b.
@@ -82,11 +83,16 @@ fn sweep(factor: &Triangle<f32>, x: &mut [Vector3<f64>]) {
     }
 }
 
-/// Returns D⁻¹ and V; `None` if D is not positive definite. Each row is eliminated from the rows of its columns in turn.
-fn eliminate(
-    triangle: &Triangle<f64>,
-    Attempt { relaxation, shift }: &Attempt,
-) -> Option<(Vec<Matrix3<f64>>, Vec<Matrix3<f32>>)> {
+/// Blocks of a factor.
+struct Eliminated {
+    /// D⁻¹.
+    inverses: Vec<Matrix3<f64>>,
+    /// V beside its diagonal.
+    blocks: Vec<Matrix3<f32>>,
+}
+
+/// Returns the factor; `None` if D is not positive definite. Each row is eliminated from the rows of its columns in turn.
+fn eliminate(triangle: &Triangle<f64>, Attempt { relaxation, shift }: &Attempt) -> Option<Eliminated> {
     const NOWHERE: u32 = u32::MAX;
     let columns = &triangle.columns;
     let mut blocks: Vec<Matrix3<f32>> = triangle.blocks.iter().map(|block| block.cast()).collect();
@@ -124,7 +130,7 @@ fn eliminate(
         }
         row.for_each(|at| places[columns[at] as usize] = NOWHERE);
     }
-    Some((pivots, blocks))
+    Some(Eliminated { inverses: pivots, blocks })
 }
 
 /// Inverse of a symmetric block; `None` if it is not positive definite.
@@ -188,7 +194,8 @@ mod tests {
         let force = product(&with_a_gap(), &translation);
         let error = |relaxation: f64| {
             let triangle = with_a_gap();
-            let (diagonal, blocks) = eliminate(&triangle, &Attempt { relaxation, shift: 0.0 }).expect("a factor");
+            let Eliminated { inverses: diagonal, blocks } =
+                eliminate(&triangle, &Attempt { relaxation, shift: 0.0 }).expect("a factor");
             let Triangle { order, offsets, columns, .. } = triangle;
             let factor = Triangle { order, offsets, columns, diagonal, blocks };
             let mut x = vec![0.0; 12];

@@ -128,7 +128,7 @@ pub fn solver_of_nodes(
         Method::Incomplete { tolerance } => {
             ksp.set_type("cg")?;
             let mut factor = IncompleteCholesky::new(Triangle::new(matrix, places)?);
-            ksp.set_closure(&*matrix.upper_triangle(SIZE)?, move |b, x| factor.solve(b, x))?;
+            ksp.set_closure(&matrix.upper_triangle(SIZE)?, move |b, x| factor.solve(b, x))?;
             start_from_guess(&mut ksp)?;
             tolerance
         }
